@@ -1,0 +1,23 @@
+# Options that every target of the project is compiled with.
+add_library(octavo_compile_options INTERFACE)
+
+target_compile_options(octavo_compile_options INTERFACE
+    -Wall -Wextra -Wshadow -Wpedantic
+    # The shared ray text must give the same floats on every backend: no fused multiply-add.
+    -ffp-contract=off)
+if(OCTAVO_WERROR)
+    target_compile_options(octavo_compile_options INTERFACE -Werror)
+endif()
+
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    # The oldest machine we support has SSE4.2 and POPCNT; wider SIMD is chosen at run time.
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+        target_compile_options(octavo_compile_options INTERFACE -march=x86-64-v2)
+    endif()
+endif()
+
+if(OCTAVO_SANITIZE)
+    target_compile_options(octavo_compile_options INTERFACE
+        -fsanitize=${OCTAVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(octavo_compile_options INTERFACE -fsanitize=${OCTAVO_SANITIZE})
+endif()

@@ -1,0 +1,23 @@
+# What Octavo stands on, each with the reason it is here. All are Debian 12 packages.
+find_package(PkgConfig REQUIRED)
+
+find_package(TBB REQUIRED)       # threads: parallel loops and the ordered build pipeline
+find_package(glm REQUIRED)       # vectors with GLSL's names, which the shared ray text needs
+find_package(nlohmann_json REQUIRED)  # JSON: file metadata, --json output
+find_package(hwy REQUIRED)       # SIMD with run-time dispatch, for the voxel overlap kernel
+find_package(ZLIB REQUIRED)      # gzipped meshes
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)  # checksums of file sections
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compressed sections
+
+find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
+find_package(PNG REQUIRED)       # pictures
+find_package(OpenEXR REQUIRED)   # pictures in linear floats
+find_path(OCTAVO_TINYGLTF_DIR tiny_gltf.h REQUIRED)            # glTF: keeps matrices in double
+find_path(OCTAVO_TINYOBJ_DIR tiny_obj_loader.h REQUIRED)       # OBJ: can parse in double
+
+if(OCTAVO_BUILD_APPS)
+    find_package(CLI11 REQUIRED)  # command-line arguments
+endif()
+if(OCTAVO_BUILD_TESTS)
+    find_package(GTest REQUIRED)
+endif()
