@@ -69,6 +69,11 @@ void AtomicFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
     }
 }
 
+void AtomicFile::resize(std::uint64_t size_bytes) {
+    if (ftruncate(descriptor_, static_cast<off_t>(size_bytes)) != 0)
+        throw io_error(shown_, "write");
+}
+
 void AtomicFile::commit() {
     if (fsync(descriptor_) != 0) throw io_error(shown_, "write");
     const int closed = close(descriptor_);

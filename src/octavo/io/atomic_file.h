@@ -25,6 +25,9 @@ public:
     /// full
     void write(std::uint64_t offset, std::span<const std::byte> bytes);
 
+    /// Makes the file this long: cuts it off, or adds zeros. @throws Error io
+    void resize(std::uint64_t size_bytes);
+
     /// Makes the file what is at the destination. Nothing may be written afterwards.
     /// @throws Error io  the destination is then as it was
     void commit();

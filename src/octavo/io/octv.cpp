@@ -49,7 +49,10 @@ public:
         sections_.back().stored_bytes = end_ - sections_.back().offset;
         sections_.back().checksum = XXH3_64bits_digest(state_.get());
     }
-    void write_directory() { file_.write(0, encode_directory(end_, sections_)); }
+    void write_directory() {
+        file_.write(0, encode_directory(end_, sections_));
+        file_.resize(end_);  // an empty last section has an offset, and no byte that reaches it
+    }
 
 private:
     AtomicFile& file_;

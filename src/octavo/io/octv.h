@@ -10,8 +10,8 @@
 namespace octavo {
 
 struct OctvWriteOptions {
-    bool compress = false;      // the DAG as zstd: a smaller file, which cannot be mapped
-    ProgressFunction progress;  // phase "write", in bytes of the DAG
+    bool compress = false;           // the DAG as zstd: a smaller file, which cannot be mapped
+    ProgressFunction progress = {};  // phase "write", in bytes of the DAG
 };
 
 /// Writes an .octv file; docs/file-format.md has the bytes. The file appears whole or not at all,
