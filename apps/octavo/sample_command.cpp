@@ -10,6 +10,7 @@
 #include "octavo/mesh/samples.h"
 #include "octavo/mesh/save.h"
 #include "output.h"
+#include "summary.h"
 
 namespace octavo::cli {
 namespace {
@@ -30,7 +31,9 @@ void run_sample(const SampleArguments& arguments) {
     if (arguments.name.empty()) {
         std::string text;
         for (const SampleInfo& sample : samples())
-            text += fmt::format("  {:<12}{}\n", sample.name, sample.description);
+            text +=
+                fmt::format("  {:<11}{:>8} triangles  {}\n", sample.name,
+                            short_count(static_cast<double>(sample.triangles)), sample.description);
         print(text);
         return;
     }
