@@ -35,6 +35,12 @@ struct RayArgument {
 /// "1280x720", each 1 to 65536
 [[nodiscard]] uvec2 parse_size(const std::string& text);
 
+/// A validator for numbers in a range, which does not show in the help.
+template <typename Number>
+[[nodiscard]] CLI::Validator within(Number low, Number high) {
+    return CLI::Range(low, high).description("");
+}
+
 /// Adds an option whose text goes through `parse`; errors then name the option.
 template <typename Value, typename Parse>
 CLI::Option* add_parsed(CLI::App& command, const std::string& name, Value& value, Parse parse,

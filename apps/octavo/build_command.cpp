@@ -166,12 +166,12 @@ void add_build_command(CLI::App& program) {
     CLI::Option* voxel_size =
         command.add_option("--voxel-size", arguments->voxel_size, "Side of a voxel in world units")
             ->type_name("S")
-            ->check(CLI::PositiveNumber);
+            ->check(CLI::Validator(CLI::PositiveNumber).description(""));
     origin->needs(voxel_size);
     voxel_size->needs(origin);
     command.add_option("--threads", options.threads, "Threads to use; 0: all")
         ->type_name("N")
-        ->check(CLI::Range(0, 4096));
+        ->check(within(0, 4096));
     command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,

@@ -17,6 +17,8 @@ public:
 
     std::string make_help(const CLI::App* app, std::string name,
                           CLI::AppFormatMode mode) const override {
+        if (const CLI::App* program = app->get_parent())
+            name = program->get_name() + " " + app->get_name();
         return "Examples:\n" + examples_ + "\n" + Formatter::make_help(app, std::move(name), mode);
     }
 

@@ -60,7 +60,8 @@ int run(int argc, char** argv) {
         "Sparse voxel DAGs: build them from triangle scenes, look into them, ray-trace them.",
         "octavo");
     set_help(program, kExamples);
-    program.set_version_flag("--version", fmt::format("octavo {} ({})", kVersion, kCommit));
+    program.set_version_flag("--version", fmt::format("octavo {} ({})", kVersion, kCommit),
+                             "Print the version and its commit");
     program.require_subcommand(1);
     add_build_command(program);
     add_info_command(program);

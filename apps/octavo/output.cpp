@@ -29,7 +29,8 @@ void print(std::string_view text) {
 void check_output(const std::filesystem::path& file, bool force) {
     std::error_code ignored;
     if (!force && std::filesystem::exists(file, ignored))
-        throw Error(Errc::io, file, "is already there; --force replaces it");
+        throw Error(Errc::io, file,
+                    "cannot write: it is already there, and --force would replace it");
     std::filesystem::path folder = file.parent_path();
     if (folder.empty()) folder = ".";
     if (access(folder.c_str(), W_OK | X_OK) != 0) throw io_error(file, "write");

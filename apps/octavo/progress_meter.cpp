@@ -93,7 +93,7 @@ void ProgressMeter::show(const Progress& progress, double seconds) {
         fmt::print(stderr, "\r{:<10} {}{}\033[K", phase_, middle, more);
         bar_shown_ = true;
     } else {
-        fmt::print(stderr, "{}{}{}\n", phase_, progress.done == 0 ? "" : percent, more);
+        fmt::print(stderr, "{}{}\n", phase_, seconds > 0.0 ? percent + more : "");
     }
     std::fflush(stderr);
 }

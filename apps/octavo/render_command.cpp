@@ -116,7 +116,7 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
                "X,Y,Z");
     command.add_option("--fov", arguments.fov_degrees, "Vertical field of view")
         ->type_name("DEGREES")
-        ->check(CLI::Range(0.01, 179.0));
+        ->check(within(0.01, 179.0));
     camera->excludes(eye);
 }
 
@@ -130,15 +130,15 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         .add_option("--ao", arguments.options.ao_samples,
                     "Ambient occlusion: rays for each pixel, 64; 0: none")
         ->type_name("N")
-        ->check(CLI::Range(0, 65536));
+        ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
                     "How far it reaches, in world units; otherwise a tenth of the scene")
         ->type_name("R")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
         ->type_name("STOPS")
-        ->check(CLI::Range(-32.0, 32.0));
+        ->check(within(-32.0, 32.0));
 }
 
 }  // namespace
@@ -156,11 +156,11 @@ void add_render_command(CLI::App& program) {
     add_light_options(command, *arguments);
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")
-        ->check(CLI::Range(1, 65536));
+        ->check(within(1, 65536));
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")
-        ->check(CLI::Range(0, 4096));
+        ->check(within(0, 4096));
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     command.callback([arguments] { run_render(*arguments); });

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "help.h"
+#include "octavo/core/error.h"
 #include "octavo/mesh/samples.h"
 #include "octavo/mesh/save.h"
 #include "output.h"
@@ -56,7 +57,7 @@ void add_sample_command(CLI::App& program) {
     command
         .add_option("--size", arguments->size, "How much of it: triangles grow with this factor")
         ->type_name("F")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Validator(CLI::PositiveNumber).description(""));
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.callback([arguments] { run_sample(*arguments); });
 }

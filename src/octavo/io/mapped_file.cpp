@@ -53,7 +53,7 @@ std::shared_ptr<const Mapping> map_file(const std::filesystem::path& path) {
     return std::make_shared<Mapping>(address, file.size());
 }
 
-std::shared_ptr<const Mapping> read_file(const std::filesystem::path& path) {
+std::shared_ptr<const Mapping> copy_file_to_memory(const std::filesystem::path& path) {
     const OpenFile file(path);
     std::shared_ptr<Mapping> memory = allocate_mapping(file.size());
     std::span<std::byte> rest = memory->writable_bytes();

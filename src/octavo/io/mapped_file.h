@@ -37,7 +37,7 @@ private:
 
 /// Reads a file into memory of its own, which nobody else can change afterwards.
 /// @throws Error io  as map_file does
-[[nodiscard]] std::shared_ptr<const Mapping> read_file(const std::filesystem::path& path);
+[[nodiscard]] std::shared_ptr<const Mapping> copy_file_to_memory(const std::filesystem::path& path);
 
 /// Zeroed memory that takes up room only where it is written, so that a size which a file merely
 /// claims costs nothing until the bytes exist. @throws Error limit where the system refuses

@@ -185,7 +185,8 @@ void write_octv(const std::filesystem::path& path, const Model& model,
 }
 
 Model read_octv(const std::filesystem::path& path, const OctvReadOptions& options) {
-    const std::shared_ptr<const Mapping> file = options.map ? map_file(path) : read_file(path);
+    const std::shared_ptr<const Mapping> file =
+        options.map ? map_file(path) : copy_file_to_memory(path);
     const std::vector<Section> sections = decode_directory(file->bytes(), path);
 
     Model model;
