@@ -61,7 +61,8 @@ TEST(Build, HoldsExactlyTheVoxelsOfItsSource) {
         std::vector<std::uint64_t> dense(std::size_t{1} << 3 * (depth - 2));
         for (const LeafBlock& leaf : leaves) dense[leaf.code] = leaf.voxels;
         for (std::uint64_t code = 0; code < std::uint64_t{1} << 3 * depth; ++code)
-            ASSERT_EQ(built.dag.voxel(morton_decode(code)), (dense[code >> 6] >> (code & 63u) & 1u) != 0)
+            ASSERT_EQ(built.dag.voxel(morton_decode(code)),
+                      (dense[code >> 6] >> (code & 63u) & 1u) != 0)
                 << "depth " << depth << ", voxel " << code;
     }
 }
@@ -82,8 +83,8 @@ TEST(Build, NoTwoNodesOfALevelAreEqual) {
     for (int l = 0; l <= dag.leaf_level(); ++l) {
         std::set<std::vector<std::uint32_t>> seen;
         for (std::uint64_t i = dag.level_begin(l); i < dag.level_begin(l + 1);) {
-            const auto size = static_cast<unsigned>(l == dag.leaf_level() ? kLeafWords
-                                                                          : node_words(dag.words()[i]));
+            const auto size = static_cast<unsigned>(
+                l == dag.leaf_level() ? kLeafWords : node_words(dag.words()[i]));
             const auto node = dag.words().subspan(i, size);
             EXPECT_TRUE(seen.emplace(node.begin(), node.end()).second) << "level " << l;
             i += size;

@@ -32,10 +32,18 @@ inline Scene random_scene(std::uint64_t seed, int triangle_count) {
     for (int i = 1; i < triangle_count; ++i) {
         const dvec3 a = point();
         switch (bits() % 8) {
-            case 0: add(a, point(), point()); break;
-            case 1: add(a, near(a, 0.2), near(a, 0.2)); break;
-            case 2: add(a, near(a, 0.01), near(a, 0.01)); break;
-            case 3: add(snap(a), snap(point()), snap(point())); break;
+            case 0:
+                add(a, point(), point());
+                break;
+            case 1:
+                add(a, near(a, 0.2), near(a, 0.2));
+                break;
+            case 2:
+                add(a, near(a, 0.01), near(a, 0.01));
+                break;
+            case 3:
+                add(snap(a), snap(point()), snap(point()));
+                break;
             case 4: {  // in a face of the grid
                 const dvec3 s = snap(a);
                 dvec3 b = snap(point()), c = snap(point());
@@ -54,7 +62,9 @@ inline Scene random_scene(std::uint64_t seed, int triangle_count) {
                 add(s, e, 0.5 * (s + e));
                 break;
             }
-            default: add(a, a, a); break;
+            default:
+                add(a, a, a);
+                break;
         }
     }
     return scene;

@@ -10,16 +10,22 @@ namespace {
 __extension__ typedef __int128 Wide;
 using Point = std::array<Wide, 3>;
 
-Point subtract(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Wide dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Point subtract(const Point& a, const Point& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Wide dot(const Point& a, const Point& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 Point cross(const Point& a, const Point& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Wide magnitude(Wide x) { return x < 0 ? -x : x; }
+Wide magnitude(Wide x) {
+    return x < 0 ? -x : x;
+}
 
-/// Gottschalk, Lin, Manocha 1996: two convex solids are apart exactly when they are apart along a normal
-/// of one of them or along a cross product of their edges. Everything is doubled, so that the voxel's
-/// centre is whole.
+/// Gottschalk, Lin, Manocha 1996: two convex solids are apart exactly when they are apart along a
+/// normal of one of them or along a cross product of their edges. Everything is doubled, so that
+/// the voxel's centre is whole.
 bool separating_axes_meet(const std::array<Point, 3>& doubled, const Point& centre, Wide side) {
     std::array<Point, 3> p;
     for (int i = 0; i < 3; ++i) p[i] = subtract(doubled[i], centre);
@@ -28,7 +34,8 @@ bool separating_axes_meet(const std::array<Point, 3>& doubled, const Point& cent
     axes.push_back(cross(subtract(p[1], p[0]), subtract(p[2], p[0])));
     for (int edge = 0; edge < 3; ++edge)
         for (int a = 0; a < 3; ++a)
-            axes.push_back(cross(subtract(p[(edge + 1) % 3], p[edge]), axes[static_cast<unsigned>(a)]));
+            axes.push_back(
+                cross(subtract(p[(edge + 1) % 3], p[edge]), axes[static_cast<unsigned>(a)]));
 
     return std::none_of(axes.begin(), axes.end(), [&](const Point& axis) {
         const Wide reach = side * (magnitude(axis[0]) + magnitude(axis[1]) + magnitude(axis[2]));
@@ -58,7 +65,8 @@ bool thin_meets(const std::array<Point, 3>& doubled, const Point& centre, Wide s
             const Wide turn = n[w] < 0 ? -1 : 1;
             const Wide inward_u = -edge[v] * turn, inward_v = edge[u] * turn;
             const Wide at_centre = -(inward_u * from[u] + inward_v * from[v]);
-            if (at_centre + side * std::max(magnitude(inward_u), magnitude(inward_v)) < 0) return false;
+            if (at_centre + side * std::max(magnitude(inward_u), magnitude(inward_v)) < 0)
+                return false;
         }
     }
     return true;

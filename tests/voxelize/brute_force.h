@@ -11,8 +11,9 @@
 #include "octavo/voxelize/fixed_point.h"
 #include "octavo/voxelize/rule.h"
 
-/// The voxel rules once more, written for clarity and from other theory than the code under test, in
-/// 128-bit integers: separating axes for `conservative`, the definition on the voxel's centre for `thin`.
+/// The voxel rules once more, written for clarity and from other theory than the code under test,
+/// in 128-bit integers: separating axes for `conservative`, the definition on the voxel's centre
+/// for `thin`.
 namespace octavo::test {
 
 /// Does the closed triangle meet the closed voxel, or obey the thin rule?

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "octavo/core/error.h"
-#include "octavo/core/morton.h"
 #include "support/random_scene.h"
 #include "voxelize/brute_force.h"
+#include "voxelize/voxel_set.h"
 
 namespace octavo {
 namespace {
@@ -16,23 +16,12 @@ using test::random_scene;
 using test::VoxelSet;
 
 VoxelSet voxels_of(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth) {
-    const TriangleSource source(scene, grid, rule, tile_depth);
-    VoxelSet voxels;
-    std::vector<LeafBlock> leaves;
-    for (std::size_t i = 0; i < source.tiles().size(); ++i) {
-        source.voxelize(i, leaves);
-        const uvec3 tile = morton_decode(source.tiles()[i]) << static_cast<unsigned>(tile_depth);
-        for (const LeafBlock& leaf : leaves)
-            for (std::uint32_t b = 0; b < 64; ++b)
-                if (leaf.voxels >> b & 1u) {
-                    const uvec3 v = tile + (morton_decode(leaf.code) << 2u) + morton_decode(b);
-                    voxels.emplace(v.x, v.y, v.z);
-                }
-    }
-    return voxels;
+    return test::voxels_of(TriangleSource(scene, grid, rule, tile_depth));
 }
 
-Grid cube(const Scene& scene, int depth) { return smallest_cube(scene.bounds(), depth); }
+Grid cube(const Scene& scene, int depth) {
+    return smallest_cube(scene.bounds(), depth);
+}
 
 Scene one_triangle(const dvec3& a, const dvec3& b, const dvec3& c) {
     Scene scene;
@@ -153,9 +142,8 @@ TEST(TriangleSource, NonFiniteTrianglesAreCountedAndNotVoxelized) {
     Scene scene = random_scene(1, 10);
     const VoxelSet before = voxels_of(scene, cube(scene, 5), VoxelRule::conservative, 5);
     const auto first = static_cast<std::uint32_t>(scene.positions.size());
-    scene.positions.insert(scene.positions.end(), {{0.5, 0.5, std::nan("")},
-                                                   {0.1, 0.2, 0.3},
-                                                   {INFINITY, 0, 0}});
+    scene.positions.insert(scene.positions.end(),
+                           {{0.5, 0.5, std::nan("")}, {0.1, 0.2, 0.3}, {INFINITY, 0, 0}});
     scene.triangles.emplace_back(0, 1, first);
     scene.triangles.emplace_back(first + 1, first + 2, 0);
     const Grid grid = cube(scene, 5);

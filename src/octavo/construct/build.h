@@ -14,12 +14,12 @@ namespace octavo {
 
 /// How to turn a scene into a DAG. Only `depth`, `grid` and `rule` change the result.
 struct BuildOptions {
-    int depth = 12;                              // resolution 2^depth; not used where `grid` is given
-    std::optional<Grid> grid;                    // none: the smallest cube around the scene
+    int depth = 12;            // resolution 2^depth; not used where `grid` is given
+    std::optional<Grid> grid;  // none: the smallest cube around the scene
     VoxelRule rule = VoxelRule::conservative;
-    int threads = 0;                             // 0: all
-    std::uint32_t tile = 0;                      // voxels along a tile, a power of two; 0: chosen
-    std::uint64_t max_memory_bytes = 0;          // for the whole process; 0: no cap
+    int threads = 0;                     // 0: all
+    std::uint32_t tile = 0;              // voxels along a tile, a power of two; 0: chosen
+    std::uint64_t max_memory_bytes = 0;  // for the whole process; 0: no cap
     ProgressFunction progress;
 };
 
@@ -31,11 +31,12 @@ struct BuildResult {
     std::uint64_t non_finite_triangles = 0;  // a NaN or infinite corner; not voxelized
 };
 
-/// Voxelizes a scene and reduces the voxels to the minimal DAG, tile by tile, without ever holding the
-/// octree ([K13] section 3). The result does not depend on threads, tile, memory cap or the order of
-/// the triangles.
+/// Voxelizes a scene and reduces the voxels to the minimal DAG, tile by tile, without ever holding
+/// the octree ([K13] section 3). The result does not depend on threads, tile, memory cap or the
+/// order of the triangles.
 ///
-/// @throws Error  bad_argument where the options or the scene's bounds allow no grid; limit where the
+/// @throws Error  bad_argument where the options or the scene's bounds allow no grid; limit where
+/// the
 ///                cap or 2^32 words would be passed; cancelled
 /// Cost           expected O(voxels touched by triangles); memory: the DAG and its hash tables, the
 ///                triangles of the scene rounded to the grid, and one tile per thread

@@ -87,12 +87,12 @@ Dag construct(const VoxelSource& source, int depth, const ConstructOptions& opti
         check_memory(options.max_memory_bytes);
         idle.push(part);
     };
-    // More tiles in flight than workers, so that a slow tile does not leave the others waiting to merge.
+    // More tiles in flight than workers, so that a slow tile does not leave the others waiting to
+    // merge.
     tbb::parallel_pipeline(
-        4 * workers,
-        tbb::make_filter<void, Part>(tbb::filter_mode::serial_in_order, feed) &
-            tbb::make_filter<Part, Part>(tbb::filter_mode::parallel, work) &
-            tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, merge));
+        4 * workers, tbb::make_filter<void, Part>(tbb::filter_mode::serial_in_order, feed) &
+                         tbb::make_filter<Part, Part>(tbb::filter_mode::parallel, work) &
+                         tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, merge));
 
     for (int height = tile_height + 1; height <= depth - 2; ++height)
         reduce_level(store, height, tile_roots);

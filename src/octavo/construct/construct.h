@@ -14,9 +14,10 @@ struct ConstructOptions {
     ProgressFunction progress;           // phase "voxelize", in tiles
 };
 
-/// Builds the minimal DAG of a voxel source. Tiles are voxelized and reduced in parallel, by as many
-/// threads as the calling oneTBB arena has, and merged one after the other in Morton order; so nodes
-/// come to stand in the order in which the tree first meets them, whatever the tiles and the threads.
+/// Builds the minimal DAG of a voxel source. Tiles are voxelized and reduced in parallel, by as
+/// many threads as the calling oneTBB arena has, and merged one after the other in Morton order; so
+/// nodes come to stand in the order in which the tree first meets them, whatever the tiles and the
+/// threads.
 ///
 /// @param depth  of the grid that the source's tiles are cut from
 /// @throws Error limit where the memory cap or 2^32 words would be passed; cancelled

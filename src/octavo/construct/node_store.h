@@ -12,9 +12,9 @@ namespace octavo {
 
 /// A DAG that still grows: the unique nodes of every level up to some height.
 ///
-/// Levels are counted from below here, because a part of the scene knows its leaves and not the root:
-/// height 0 are the 4x4x4 leaves, a node of height h is 2^(h + 2) voxels wide, and a grid of depth d has
-/// its root at height d - 2.
+/// Levels are counted from below here, because a part of the scene knows its leaves and not the
+/// root: height 0 are the 4x4x4 leaves, a node of height h is 2^(h + 2) voxels wide, and a grid of
+/// depth d has its root at height d - 2.
 class NodeStore {
 public:
     /// @param top  the greatest height that nodes will have
@@ -27,16 +27,17 @@ public:
     }
 
     std::uint32_t add_leaf(std::uint64_t voxels) {
-        const std::uint32_t words[kLeafWords] = {static_cast<std::uint32_t>(voxels),
-                                                 static_cast<std::uint32_t>(voxels >> 32)};
+        // As long as the longest node, because the compiler cannot see that leaves have two words.
+        const std::uint32_t words[kMaxNodeWords] = {static_cast<std::uint32_t>(voxels),
+                                                    static_cast<std::uint32_t>(voxels >> 32)};
         return levels_[0].add(words);
     }
 
     /// Adds all nodes of a smaller store whose heights this one has too. Afterwards, node `id` of
     /// height h of `part` is node new_id(h, id) here.
     ///
-    /// Equal parts merged in the same order give equal stores, and a node that is new is appended: so
-    /// parts merged in Morton order leave every level in the order of the whole tree.
+    /// Equal parts merged in the same order give equal stores, and a node that is new is appended:
+    /// so parts merged in Morton order leave every level in the order of the whole tree.
     /// @return  the id here of the single node that `part` has at its top
     std::uint32_t merge_root(const NodeStore& part);
 

@@ -20,10 +20,12 @@ struct CellNode {
 /// @param cells   of height - 1, in Morton order; becomes the cells of `height`, in Morton order
 void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
 
-/// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by level
+/// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by
+/// level
 /// ([K13] section 3).
 ///
-/// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top height
+/// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top
+/// height
 /// @param cells   scratch
 void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
                    std::vector<CellNode>& cells);

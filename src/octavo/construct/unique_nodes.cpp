@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
-// [K13] section 3 finds equal nodes by sorting a level. Looking each one up in a table of those seen so
-// far finds the same nodes, and keeps them in the order in which the tree first meets them.
+// [K13] section 3 finds equal nodes by sorting a level. Looking each one up in a table of those
+// seen so far finds the same nodes, and keeps them in the order in which the tree first meets them.
 #include "octavo/construct/unique_nodes.h"
 
-#include <cstring>
+#include <algorithm>
 
 #include "octavo/core/error.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace octavo {
 namespace {
@@ -16,10 +13,6 @@ namespace {
 constexpr std::size_t kFirstSlots = 256;
 
 }  // namespace
-
-std::uint64_t UniqueNodes::hash(const std::uint32_t* node) const {
-    return XXH3_64bits(node, static_cast<unsigned>(size_of(node)) * sizeof(std::uint32_t));
-}
 
 std::uint32_t UniqueNodes::add(const std::uint32_t* node, std::uint64_t hash) {
     // At most 5/8 full: linear probing then looks at two slots on average.
@@ -36,10 +29,7 @@ std::uint32_t UniqueNodes::add(const std::uint32_t* node, std::uint64_t hash) {
             ++count_;
             return slots_[slot] = static_cast<std::uint32_t>(added);
         }
-        const std::uint32_t* other = words_.data() + id;
-        if (other[0] == node[0] && other[1] == node[1] &&
-            std::memcmp(other, node, static_cast<unsigned>(size) * sizeof(std::uint32_t)) == 0)
-            return id;
+        if (equal(words_.data() + id, node, size)) return id;
     }
 }
 

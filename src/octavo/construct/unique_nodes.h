@@ -10,9 +10,9 @@
 
 namespace octavo {
 
-/// The different nodes of one level, each stored once, in the order in which they were first asked for
-/// (hash-consing). A node is its words: a leaf's two halves, or a child mask and the ids of the children.
-/// Its id is the index of its first word among the level's words.
+/// The different nodes of one level, each stored once, in the order in which they were first asked
+/// for (hash-consing). A node is its words: a leaf's two halves, or a child mask and the ids of the
+/// children. Its id is the index of its first word among the level's words.
 ///
 /// Expected O(1) for each request. Memory: the words, and 7 to 13 bytes of table for each node.
 class UniqueNodes {
@@ -26,7 +26,14 @@ public:
     std::uint32_t add(const std::uint32_t* node) { return add(node, hash(node)); }
     std::uint32_t add(const std::uint32_t* node, std::uint64_t hash);
 
-    [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const;
+    [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
+        std::uint64_t h = mix(node[0] | std::uint64_t{node[1]} << 32);
+        if (kind_ == Kind::leaves) return h;
+        const int size = node_words(node[0]);
+        for (int i = 2; i < size; i += 2)
+            h = mix(h ^ (node[i] | std::uint64_t{i + 1 < size ? node[i + 1] : 0} << 32));
+        return h;
+    }
 
     /// Starts to fetch what add() looks at first for a node with this hash.
     void prefetch_slot(std::uint64_t hash) const;
@@ -53,6 +60,22 @@ public:
 
 private:
     static constexpr std::uint32_t kEmpty = 0xffffffffu;
+
+    // Both halves of a product with an odd constant: every bit of x reaches every bit of the
+    // result, for the price of one multiplication. A node is a few words, looked up billions of
+    // times.
+    static std::uint64_t mix(std::uint64_t x) {
+        __extension__ typedef unsigned __int128 Wide;
+        const Wide product = Wide{x ^ 0x9e3779b97f4a7c15u} * 0xd6e8feb86659fd93u;
+        return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+    }
+
+    [[nodiscard]] bool equal(const std::uint32_t* a, const std::uint32_t* b, int size) const {
+        if (a[0] != b[0] || a[1] != b[1]) return false;
+        for (int i = 2; i < size; ++i)
+            if (a[i] != b[i]) return false;
+        return true;
+    }
 
     [[nodiscard]] std::size_t home(std::uint64_t hash) const { return hash & (slots_.size() - 1); }
     void grow_table();

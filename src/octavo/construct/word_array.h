@@ -10,9 +10,9 @@
 
 namespace octavo {
 
-/// A growing array of 32-bit words. Unlike std::vector it grows by realloc, which moves large blocks by
-/// remapping pages: growth neither copies nor holds the old and the new array at once, and the room
-/// ahead of the end takes no memory until it is written.
+/// A growing array of 32-bit words. Unlike std::vector it grows by realloc, which moves large
+/// blocks by remapping pages: growth neither copies nor holds the old and the new array at once,
+/// and the room ahead of the end takes no memory until it is written.
 class WordArray {
 public:
     [[nodiscard]] std::uint64_t size() const { return size_; }
@@ -22,7 +22,8 @@ public:
 
     void append(const std::uint32_t* words, int count) {
         if (size_ + static_cast<unsigned>(count) > capacity_) grow();
-        std::memcpy(words_.get() + size_, words, static_cast<unsigned>(count) * sizeof(std::uint32_t));
+        std::memcpy(words_.get() + size_, words,
+                    static_cast<unsigned>(count) * sizeof(std::uint32_t));
         size_ += static_cast<unsigned>(count);
     }
 

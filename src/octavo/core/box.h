@@ -7,8 +7,8 @@
 
 namespace octavo {
 
-/// A closed axis-aligned box in world space. Default-constructed it is empty: it holds no point, and
-/// extending it by a point gives that point.
+/// A closed axis-aligned box in world space. Default-constructed it is empty: it holds no point,
+/// and extending it by a point gives that point.
 struct Box {
     dvec3 low{std::numeric_limits<double>::infinity()};
     dvec3 high{-std::numeric_limits<double>::infinity()};

@@ -14,9 +14,9 @@ inline constexpr int kMaxDepth = 17;  // 131072^3
 
 /// A cube of N x N x N voxels placed in the world.
 ///
-/// World space is the scene's own units. Grid space is voxel units with the origin at the cube's low
-/// corner: voxel v is the closed cube [v, v + 1], the whole grid is [0, N]. A cell of level l is
-/// 2^(depth - l) voxels wide; level 0 is the grid itself, level depth the voxels.
+/// World space is the scene's own units. Grid space is voxel units with the origin at the cube's
+/// low corner: voxel v is the closed cube [v, v + 1], the whole grid is [0, N]. A cell of level l
+/// is 2^(depth - l) voxels wide; level 0 is the grid itself, level depth the voxels.
 struct Grid {
     dvec3 origin{0.0};        // world position of the low corner
     double voxel_size = 1.0;  // world units along one side of a voxel

@@ -7,9 +7,9 @@
 
 namespace octavo {
 
-/// Morton code of a cell: bit 3i of the code is bit i of x, bit 3i + 1 of y, bit 3i + 2 of z. So the
-/// lowest three bits are the child index x + 2y + 4z, and codes in increasing order are the cells in
-/// depth-first order. Coordinates below 2^21.
+/// Morton code of a cell: bit 3i of the code is bit i of x, bit 3i + 1 of y, bit 3i + 2 of z. So
+/// the lowest three bits are the child index x + 2y + 4z, and codes in increasing order are the
+/// cells in depth-first order. Coordinates below 2^21.
 [[nodiscard]] constexpr std::uint64_t morton_encode(const uvec3& cell);
 
 /// The cell that has this Morton code.

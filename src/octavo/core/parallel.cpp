@@ -9,7 +9,9 @@
 
 namespace octavo {
 
-int available_threads() { return std::max(1, tbb::info::default_concurrency()); }
+int available_threads() {
+    return std::max(1, tbb::info::default_concurrency());
+}
 
 void with_threads(int threads, const std::function<void()>& work) {
     const int count = threads > 0 ? threads : available_threads();

@@ -11,13 +11,14 @@
 
 namespace octavo {
 
-/// A sparse voxel DAG: one frozen array of 32-bit words that is the same in memory, in the file and on
-/// a GPU. See dag/node.h for what the words mean.
+/// A sparse voxel DAG: one frozen array of 32-bit words that is the same in memory, in the file and
+/// on a GPU. See dag/node.h for what the words mean.
 ///
-/// Levels are contiguous and in order: the root (level 0) is at word 0, then all nodes of level 1, and
-/// so on; the leaves, level depth - 2, come last. A grid of depth 2 is a single leaf. Within a level
-/// nodes stand in the order in which a depth-first walk of the tree first meets them, so equal voxel
-/// sets have equal words (docs/adr/0003-node-order.md). A DAG without a voxel has no words.
+/// Levels are contiguous and in order: the root (level 0) is at word 0, then all nodes of level 1,
+/// and so on; the leaves, level depth - 2, come last. A grid of depth 2 is a single leaf. Within a
+/// level nodes stand in the order in which a depth-first walk of the tree first meets them, so
+/// equal voxel sets have equal words (docs/adr/0003-node-order.md). A DAG without a voxel has no
+/// words.
 ///
 /// Up to 2^32 words: 16 GiB. Copies are cheap and share the words, which never change.
 class Dag {
@@ -43,7 +44,8 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
     [[nodiscard]] std::uint64_t size_bytes() const { return words_.size_bytes(); }
 
-    /// Word index where a level begins; level_begin(l + 1) is where level l ends. l = 0 to depth - 1.
+    /// Word index where a level begins; level_begin(l + 1) is where level l ends. l = 0 to depth
+    /// - 1.
     [[nodiscard]] std::uint64_t level_begin(int level) const { return levels_[level]; }
     [[nodiscard]] std::span<const std::uint64_t> level_begins() const { return levels_; }
 

@@ -21,11 +21,12 @@
 ///      |/     |/         |/
 ///      0 ---- 1          +---- x
 ///
-/// Voxel bit b of a leaf is the voxel's Morton code inside the block, so byte i of the 64 bits is the
-/// child mask of its 2x2x2 child i: the last two levels of the tree, without a pointer.
+/// Voxel bit b of a leaf is the voxel's Morton code inside the block, so byte i of the 64 bits is
+/// the child mask of its 2x2x2 child i: the last two levels of the tree, without a pointer.
 ///
-/// The spare bits are zero in format version 1 and a reader refuses anything else: they are kept for
-/// counts that attributes will need ([B18]), which must not be mistaken for a mask by older readers.
+/// The spare bits are zero in format version 1 and a reader refuses anything else: they are kept
+/// for counts that attributes will need ([B18]), which must not be mistaken for a mask by older
+/// readers.
 namespace octavo {
 
 inline constexpr std::uint32_t kChildMaskBits = 0xffu;

@@ -58,7 +58,8 @@ Statistics compute_statistics(const Dag& dag) {
         leaves.svo_nodes += count;
         leaves.dag_nodes += 1;
         leaves.bytes += kLeafWords * sizeof(std::uint32_t);
-        inside_leaves.svo_nodes += count * static_cast<unsigned>(std::popcount(leaf_child_mask(voxels)));
+        inside_leaves.svo_nodes +=
+            count * static_cast<unsigned>(std::popcount(leaf_child_mask(voxels)));
         total.voxels += count * static_cast<unsigned>(std::popcount(voxels));
     }
 

@@ -8,8 +8,8 @@
 
 namespace octavo {
 
-/// What a level of the DAG holds. Levels 0 to depth - 2 are stored; level depth - 1 lives inside the
-/// leaves, so it has octree nodes but no DAG nodes or bytes of its own.
+/// What a level of the DAG holds. Levels 0 to depth - 2 are stored; level depth - 1 lives inside
+/// the leaves, so it has octree nodes but no DAG nodes or bytes of its own.
 struct LevelStatistics {
     int level = 0;
     std::uint64_t svo_nodes = 0;  // nodes with a child mask that the octree would have here
@@ -17,7 +17,8 @@ struct LevelStatistics {
     std::uint64_t bytes = 0;
 };
 
-/// The figures of [K13] table 2 for one DAG, and what other structures would take for the same voxels.
+/// The figures of [K13] table 2 for one DAG, and what other structures would take for the same
+/// voxels.
 struct Statistics {
     std::uint64_t voxels = 0;
     std::uint64_t svo_nodes = 0;  // all levels, 0 to depth - 1, as [K13] counts them
@@ -26,7 +27,8 @@ struct Statistics {
     std::vector<LevelStatistics> levels;  // depth entries
 
     [[nodiscard]] double bits_per_voxel() const {
-        return voxels == 0 ? 0.0 : 8.0 * static_cast<double>(dag_bytes) / static_cast<double>(voxels);
+        return voxels == 0 ? 0.0
+                           : 8.0 * static_cast<double>(dag_bytes) / static_cast<double>(voxels);
     }
     /// An octree without pointers: one byte for each child mask (Schnabel and Klein, in [K13]).
     [[nodiscard]] std::uint64_t pointerless_svo_bytes() const { return svo_nodes; }

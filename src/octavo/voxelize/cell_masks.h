@@ -6,8 +6,8 @@
 
 #include "octavo/core/morton.h"
 
-/// Sets of the 4x4x4 cells of a window as 64 bits in Morton order, from what is known along an axis or
-/// in a projection. All by small tables that the compiler fills in.
+/// Sets of the 4x4x4 cells of a window as 64 bits in Morton order, from what is known along an axis
+/// or in a projection. All by small tables that the compiler fills in.
 namespace octavo {
 
 namespace detail {
@@ -57,13 +57,20 @@ inline constexpr auto kColumns = [] {
 
 }  // namespace detail
 
+/// Position of each cell of a window, by Morton code.
+inline constexpr auto kCellOfCode = [] {
+    std::array<ivec3, 64> table{};
+    for (std::uint32_t code = 0; code < 64; ++code) table[code] = ivec3(morton_decode(code));
+    return table;
+}();
+
 /// The cells with first <= coordinate <= last on this axis. first 0 to 4, last -1 to 3.
 [[nodiscard]] inline std::uint64_t cells_from_to(int axis, int first, int last) {
     return detail::kSlabs[static_cast<unsigned>(axis)][static_cast<unsigned>(first * 5 + last + 1)];
 }
 
-/// The cells whose shadow in a projection is one of these squares. Projection p looks at axes u = p and
-/// v = p + 1 (cyclic); bit u + 4v of `squares` is a square.
+/// The cells whose shadow in a projection is one of these squares. Projection p looks at axes u = p
+/// and v = p + 1 (cyclic); bit u + 4v of `squares` is a square.
 [[nodiscard]] inline std::uint64_t cells_over_squares(int p, std::uint32_t squares) {
     const auto& table = detail::kColumns[static_cast<unsigned>(p)];
     return table[0][squares & 255u] | table[1][squares >> 8 & 255u];

@@ -11,8 +11,8 @@
 namespace octavo {
 namespace {
 
-constexpr int kSceneBits = 24;        // across the scene, at least
-constexpr int kMinFractionBits = 6;   // below a voxel, at least
+constexpr int kSceneBits = 24;       // across the scene, at least
+constexpr int kMinFractionBits = 6;  // below a voxel, at least
 constexpr std::size_t kGrain = 1 << 14;
 
 bool is_finite(const dvec3& p) {
@@ -79,18 +79,19 @@ FixedPoint FixedMesh::round(const dvec3& point_grid) const {
 void FixedMesh::round_points(const Scene& scene, const Grid& grid) {
     const Window window(grid);
     points_.resize(scene.positions.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_.size(), kGrain), [&](const auto& r) {
-        for (std::size_t i = r.begin(); i < r.end(); ++i) {
-            const dvec3 p = grid.to_grid(scene.positions[i]);
-            if (!is_finite(scene.positions[i])) {
-                points_[i] = {0, 0, 0, kNonFinite};
-            } else if (!window.contains(p)) {
-                points_[i] = {0, 0, 0, kFar};
-            } else {
-                points_[i] = round(p);
-            }
-        }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_.size(), kGrain),
+                      [&](const auto& r) {
+                          for (std::size_t i = r.begin(); i < r.end(); ++i) {
+                              const dvec3 p = grid.to_grid(scene.positions[i]);
+                              if (!is_finite(scene.positions[i])) {
+                                  points_[i] = {0, 0, 0, kNonFinite};
+                              } else if (!window.contains(p)) {
+                                  points_[i] = {0, 0, 0, kFar};
+                              } else {
+                                  points_[i] = round(p);
+                              }
+                          }
+                      });
 }
 
 void FixedMesh::count_and_clip(const Scene& scene, const Grid& grid) {

@@ -18,17 +18,19 @@ struct alignas(16) FixedPoint {
     std::int32_t kind;  // see FixedMesh
 };
 
-/// A scene's triangles with every corner rounded once to an integer grid that is finer than the voxels.
-/// From here on all geometry is exact integer arithmetic, so no answer depends on how space is cut.
+/// A scene's triangles with every corner rounded once to an integer grid that is finer than the
+/// voxels. From here on all geometry is exact integer arithmetic, so no answer depends on how space
+/// is cut.
 ///
-/// A unit is 2^-fraction_bits of a voxel. Coordinates are relative to `base`, a voxel, so that they stay
-/// small: 0 <= coordinate <= 2^25 + 1. The scene (the part of it within one grid width of the grid) is at
-/// least 2^24 units across in its longest direction, and a voxel 2^6 to 2^24 units; so a scene smaller
-/// than a voxel has fewer across.
+/// A unit is 2^-fraction_bits of a voxel. Coordinates are relative to `base`, a voxel, so that they
+/// stay small: 0 <= coordinate <= 2^25 + 1. The scene (the part of it within one grid width of the
+/// grid) is at least 2^24 units across in its longest direction, and a voxel 2^6 to 2^24 units; so
+/// a scene smaller than a voxel has fewer across.
 ///
 /// Triangles that reach further than one grid width from the grid are first clipped, in double
-/// precision, to the cube of three grid widths around it; what is left of them is rounded like the rest.
-/// So a vertex outside that cube cannot overflow, and geometry that is inside is not changed by it.
+/// precision, to the cube of three grid widths around it; what is left of them is rounded like the
+/// rest. So a vertex outside that cube cannot overflow, and geometry that is inside is not changed
+/// by it.
 class FixedMesh {
 public:
     FixedMesh(const Scene& scene, const Grid& grid);
@@ -36,8 +38,8 @@ public:
     /// Number of triangles to voxelize. Non-finite ones are among them; see `corners`.
     [[nodiscard]] std::size_t size() const { return scene_triangles_.size() + clipped_.size(); }
 
-    /// The corners of a triangle; false where there is nothing to voxelize (non-finite, or replaced by
-    /// its clipped pieces).
+    /// The corners of a triangle; false where there is nothing to voxelize (non-finite, or replaced
+    /// by its clipped pieces).
     [[nodiscard]] bool corners(std::size_t triangle, std::array<FixedPoint, 3>& out) const {
         const std::size_t count = scene_triangles_.size();
         if (triangle < count) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Schwarz and Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", 2010: a triangle meets a
-// box exactly when their bounds meet, the triangle's plane meets the box, and the triangle meets the box
-// in each of the three axis-aligned projections. See docs/voxel-rules.md.
+// Schwarz and Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", 2010: a triangle
+// meets a box exactly when their bounds meet, the triangle's plane meets the box, and the triangle
+// meets the box in each of the three axis-aligned projections. See docs/voxel-rules.md.
 //
 // Included once for every SIMD target (Highway's foreach_target), so the guard toggles.
 #if defined(OCTAVO_VOXELIZE_OVERLAP_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -39,59 +39,121 @@ HWY_INLINE std::uint32_t non_negative(D d, hn::Vec<D> v) {
 
 /// Tests one triangle against 4x4x4 cells at a time.
 ///
-/// A cell is a closed cube of 2^shift units. Every test is a linear function of the cell's corner that
-/// must not be negative. On the cells of one 4x4x4 window it is  value + 2^shift * step(cell)  with
-/// small integer steps, and  value + 2^shift * step >= 0  exactly when  (value >> shift) + step >= 0:
-/// so the wide part is done once for a window and the lanes need 32 bits, without rounding anywhere.
+/// A cell is a closed cube of 2^shift units. Every test is a linear function of the cell's corner
+/// that must not be negative. On the cells of one 4x4x4 window it is  value + 2^shift * step(cell)
+/// with small integer steps, and  value + 2^shift * step >= 0  exactly when  (value >> shift) +
+/// step >= 0: so the wide part is done once for a window and the lanes need few bits, without
+/// rounding anywhere.
 class TriangleCells {
+    static constexpr int kEdges = 9;  // 3 projections x 3 edges
+
+    // A window of cells against the plane: a cell passes when 0 <= value + step(cell) <= last.
+    struct PlaneValue {
+        std::int64_t value, last;
+    };
+
 public:
-    /// @param voxel_shift  log2 of a voxel in units: cells of this size follow `rule`, larger ones hold
+    /// @param voxel_shift  log2 of a voxel in units: cells of this size follow `rule`, larger ones
+    /// hold
     ///                     every voxel of theirs that either rule could mark
     TriangleCells(const std::array<FixedPoint, 3>& corners, int voxel_shift, VoxelRule rule);
 
-    struct Overlap {
-        std::uint64_t cells;   // Morton order; those that the triangle meets
+    /// The 4x4x4 cells of 2^shift units from this corner that the triangle meets, in Morton order.
+    HWY_INLINE std::uint64_t cells(const ivec3& corner, int shift) const {
+        const PlaneValue plane = plane_value(corner, shift, cell_plane_);
+        return in_bounds(corner, shift) & on_plane(plane) &
+               in_projections(edge_values(corner, shift, edge_offset_));
+    }
+
+    /// The 4x4x4 voxels from this corner that the triangle marks by the rule.
+    HWY_INLINE std::uint64_t voxels(const ivec3& corner) const {
+        const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
+        return in_bounds(corner, voxel_shift_) & on_plane(plane) &
+               in_projections(edge_values(corner, voxel_shift_, voxel_edge_offset_));
+    }
+
+    /// The blocks of 4x4x4 voxels in a window of 4x4x4 blocks.
+    struct Blocks {
+        std::uint64_t met;     // Morton order; those that the triangle meets
         std::uint64_t inside;  // of these, the ones whose shadow along the normal's main axis lies
                                // inside the triangle's shadow: only the plane is left to test
     };
-
-    /// The 4x4x4 cells of 2^shift units from this corner. kInside: fill `inside` as well.
-    template <bool kInside>
-    HWY_INLINE Overlap cells(const ivec3& corner, int shift) const {
-        Overlap result;
-        result.cells = in_bounds(corner, shift) & on_plane(corner, shift, cell_plane_);
-        result.cells &= in_projections<kInside>(corner, shift, edge_offset_, &result.inside);
-        if (kInside) result.inside &= result.cells;
-        return result;
+    HWY_INLINE Blocks blocks(const ivec3& corner) const {
+        const int shift = voxel_shift_ + 2;
+        const PlaneValue plane = plane_value(corner, shift, cell_plane_);
+        const EdgeValues edges = edge_values(corner, shift, edge_offset_);
+        Blocks blocks;
+        blocks.met = in_bounds(corner, shift) & on_plane(plane) & in_projections(edges);
+        blocks.inside = blocks.met & inside_main_projection(edges);
+        return blocks;
     }
 
-    /// The 4x4x4 voxels from this corner, by the rule.
-    HWY_INLINE std::uint64_t voxels(const ivec3& corner) const {
-        return in_bounds(corner, voxel_shift_) & on_plane(corner, voxel_shift_, voxel_plane_) &
-               in_projections<false>(corner, voxel_shift_, voxel_edge_offset_, nullptr);
-    }
+    /// What the tests of a window's blocks have in common: from one block to the next each value
+    /// changes by four voxels' steps, so the wide products are taken once for 64 blocks.
+    class BlockVoxels {
+    public:
+        HWY_INLINE BlockVoxels(const TriangleCells& triangle, const ivec3& corner)
+            : triangle_(triangle),
+              corner_(corner),
+              plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)) {
+            triangle.wide_edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset_,
+                                      edges_);
+        }
 
-    /// The same for a window inside a cell that `cells` reported as inside.
-    HWY_INLINE std::uint64_t voxels_of_plane(const ivec3& corner) const {
-        return on_plane(corner, voxel_shift_, voxel_plane_);
-    }
+        /// The voxels of the block with this Morton code in the window. The block is one that was
+        /// met.
+        HWY_INLINE std::uint64_t voxels(unsigned code) const {
+            const TriangleCells& t = triangle_;
+            const ivec3& block = kCellOfCode[code];
+            std::int64_t wide[kEdges];
+            for (int p = 0; p < 3; ++p) {
+                const std::int64_t u = 4 * block[p], v = 4 * block[p == 2 ? 0 : p + 1];
+                for (int e = 3 * p; e < 3 * p + 3; ++e)
+                    wide[e] = edges_[e] + t.edge_u_[e] * u + t.edge_v_[e] * v;
+            }
+            return t.in_bounds(corner_ + (block << (t.voxel_shift_ + 2)), t.voxel_shift_) &
+                   voxels_of_plane(code) & t.in_projections(clamped(wide));
+        }
+
+        /// The same for a block that is inside.
+        HWY_INLINE std::uint64_t voxels_of_plane(unsigned code) const {
+            const std::int64_t* steps = triangle_.exact_plane_steps_;
+            const std::int64_t value = plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]);
+            // As the plane meets the block, the value is within the block's own steps: it needs no
+            // clamping.
+            return triangle_.on_plane(
+                value, static_cast<std::int32_t>(value >> triangle_.plane_low_bits_), plane_.last);
+        }
+
+    private:
+        const TriangleCells& triangle_;
+        ivec3 corner_;
+        PlaneValue plane_;
+        std::int64_t edges_[kEdges];
+    };
 
 private:
-    static constexpr int kEdges = 9;  // 3 projections x 3 edges
     static constexpr hn::CappedTag<std::int32_t, 16> kInt32{};
     static constexpr hn::CappedTag<std::int64_t, 8> kInt64{};
+    static constexpr int kLanes32 = static_cast<int>(hn::MaxLanes(kInt32));
+    static constexpr int kLanes64 = static_cast<int>(hn::MaxLanes(kInt64));
 
-    // The plane passes a cell when 0 <= value + n . corner <= range, both scaled by the cell's size.
+    // The plane passes a cell when 0 <= low + n . (corner - vertex) <= range.
     struct PlaneTest {
-        std::int64_t low;    // units of 2^(shift - 1), so that half a voxel is whole
-        std::int64_t range;  // units of 2^shift
+        std::int64_t low;    // in 2^(shift - 1), so that half a voxel is whole
+        std::int64_t range;  // in 2^shift
+    };
+
+    struct EdgeValues {
+        std::int32_t value[kEdges];
     };
 
     HWY_INLINE std::uint64_t in_bounds(const ivec3& corner, int shift) const {
         std::uint64_t mask = ~std::uint64_t{0};
         for (int axis = 0; axis < 3; ++axis) {
-            // A closed cell meets closed bounds when it begins at or before their end, and ends at or
-            // after their beginning: bounds_low_ is one unit less, so that >> finds the first such cell.
+            // A closed cell meets closed bounds when it begins at or before their end, and ends at
+            // or after their beginning: bounds_low_ is one unit less, so that >> finds the first
+            // such cell.
             const int first = std::clamp((bounds_low_[axis] - corner[axis]) >> shift, 0, 4);
             const int last = std::clamp((bounds_high_[axis] - corner[axis]) >> shift, -1, 3);
             mask &= cells_from_to(axis, first, last);
@@ -99,102 +161,132 @@ private:
         return mask;
     }
 
-    HWY_INLINE std::uint64_t on_plane(const ivec3& corner, int shift, const PlaneTest& test) const {
+    HWY_INLINE PlaneValue plane_value(const ivec3& corner, int shift, const PlaneTest& test) const {
         const Int128 value = Int128{normal_[0]} * (corner.x - vertex_.x) +
-                               Int128{normal_[1]} * (corner.y - vertex_.y) +
-                               Int128{normal_[2]} * (corner.z - vertex_.z) +
-                               ((Int128{test.low} << shift) >> 1);
+                             Int128{normal_[1]} * (corner.y - vertex_.y) +
+                             Int128{normal_[2]} * (corner.z - vertex_.z) +
+                             ((Int128{test.low} << shift) >> 1);
         const Int128 quotient = value >> shift;
+        // value + s <= range, in whole 2^shift, is quotient + s <= range; where a remainder was cut
+        // off, one less.
         const bool exact = quotient << shift == value;
-        // value + s <= range, all scaled by 2^shift, is quotient + s <= range or, where a remainder
-        // was cut off, one less.
-        const std::int64_t range = test.range - (exact ? 0 : 1);
-        return narrow_plane_ ? plane_lanes_32(quotient, range) : plane_lanes_64(quotient, range);
+        // Steps within a window of windows stay below 2^57: beyond twice that the sign is decided.
+        constexpr Int128 kFar = std::int64_t{1} << 58;
+        return {static_cast<std::int64_t>(std::clamp(quotient, -kFar, kFar)),
+                test.range - (exact ? 0 : 1)};
     }
 
-    HWY_INLINE std::uint64_t plane_lanes_32(Int128 quotient, std::int64_t range) const {
-        constexpr Int128 kFar = 1 << 30;
-        const auto q = static_cast<std::int32_t>(std::clamp(quotient, -kFar, kFar));
-        const auto last = hn::Set(kInt32, static_cast<std::int32_t>(range));
-        std::uint64_t mask = 0;
-        constexpr int kLanes = static_cast<int>(hn::MaxLanes(kInt32));
-        for (int quarter = 0; quarter < 4; ++quarter) {  // (y1, z1) of the Morton code
-            const auto start = hn::Set(
-                kInt32, q + static_cast<std::int32_t>(2 * ((quarter & 1) * normal_[1] +
-                                                           (quarter >> 1) * normal_[2])));
-            for (int i = 0; i < 16; i += kLanes) {
-                const auto w = hn::Add(hn::Load(kInt32, plane_steps_32_ + i), start);
-                const std::uint64_t bits = non_negative(kInt32, hn::Or(w, hn::Sub(last, w)));
-                mask |= bits << (16 * quarter + i);
+    HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane) const {
+        constexpr std::int64_t kFar = 1 << 30;
+        const std::int64_t high = std::clamp(plane.value >> plane_low_bits_, -kFar, kFar);
+        return on_plane(plane.value, static_cast<std::int32_t>(high), plane.last);
+    }
+
+    /// The cells of a window whose value and step are on the plane. Normals have up to 51 bits; the
+    /// 26 highest decide nearly always, and where they do not all bits are asked.
+    /// @param high  value without its plane_low_bits_, clamped to 31 bits
+    HWY_INLINE std::uint64_t on_plane(std::int64_t value, std::int32_t high,
+                                      std::int64_t last) const {
+        const auto high_last = static_cast<std::int32_t>(last >> plane_low_bits_);
+        const auto v = hn::Set(kInt32, high);
+        const auto r = hn::Set(kInt32, high_last);
+        if (plane_low_bits_ == 0) {
+            std::uint64_t mask = 0;
+            for (int i = 0; i < 64; i += kLanes32) {
+                const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
+                mask |= std::uint64_t{non_negative(kInt32, hn::Or(w, hn::Sub(r, w)))} << i;
             }
+            return mask;
         }
-        return mask;
+        // What was cut off the value and its up to 9 steps adds less than 10.
+        const auto slack = hn::Set(kInt32, 9);
+        const auto sure_last = hn::Set(kInt32, high_last - 10);
+        std::uint64_t possible = 0, sure = 0;
+        for (int i = 0; i < 64; i += kLanes32) {
+            const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
+            possible |=
+                std::uint64_t{non_negative(kInt32, hn::Or(hn::Add(w, slack), hn::Sub(r, w)))} << i;
+            sure |= std::uint64_t{non_negative(kInt32, hn::Or(w, hn::Sub(sure_last, w)))} << i;
+        }
+        return HWY_LIKELY(possible == sure) ? sure : on_plane_exactly(value, last);
     }
 
-    HWY_INLINE std::uint64_t plane_lanes_64(Int128 quotient, std::int64_t range) const {
-        constexpr Int128 kFar = std::int64_t{1} << 57;
-        const auto q = static_cast<std::int64_t>(std::clamp(quotient, -kFar, kFar));
-        const auto last = hn::Set(kInt64, range);
+    HWY_NOINLINE std::uint64_t on_plane_exactly(std::int64_t value, std::int64_t last) const {
+        const auto r = hn::Set(kInt64, last);
         std::uint64_t mask = 0;
-        constexpr int kLanes = static_cast<int>(hn::MaxLanes(kInt64));
         for (int eighth = 0; eighth < 8; ++eighth) {  // (x1, y1, z1) of the Morton code
-            const auto start = hn::Set(kInt64, q + 2 * ((eighth & 1) * normal_[0] +
-                                                        (eighth >> 1 & 1) * normal_[1] +
-                                                        (eighth >> 2) * normal_[2]));
-            for (int i = 0; i < 8; i += kLanes) {
-                const auto w = hn::Add(hn::Load(kInt64, plane_steps_64_ + i), start);
-                const std::uint64_t bits = non_negative(kInt64, hn::Or(w, hn::Sub(last, w)));
-                mask |= bits << (8 * eighth + i);
+            const std::int64_t step =
+                2 * ((eighth & 1) * normal_[0] + (eighth >> 1 & 1) * normal_[1] +
+                     (eighth >> 2) * normal_[2]);
+            const auto v = hn::Set(kInt64, value + step);
+            for (int i = 0; i < 8; i += kLanes64) {
+                const auto w = hn::Add(hn::Load(kInt64, exact_plane_steps_ + i), v);
+                mask |= std::uint64_t{non_negative(kInt64, hn::Or(w, hn::Sub(r, w)))}
+                        << (8 * eighth + i);
             }
         }
         return mask;
     }
 
-    template <bool kInside>
-    HWY_INLINE std::uint64_t in_projections(const ivec3& corner, int shift,
-                                            const std::int64_t* edge_offset,
-                                            std::uint64_t* inside) const {
+    HWY_INLINE void wide_edge_values(const ivec3& corner, int shift, const std::int64_t* offset,
+                                     std::int64_t* wide) const {
+        for (int p = 0; p < 3; ++p) {
+            const std::int64_t u = corner[p], v = corner[p == 2 ? 0 : p + 1];
+            for (int e = 3 * p; e < 3 * p + 3; ++e)
+                wide[e] = (edge_u_[e] * u + edge_v_[e] * v + offset[e]) >> shift;
+        }
+    }
+
+    static HWY_INLINE EdgeValues clamped(const std::int64_t* wide) {
         // A step is below 2^28: beyond this bound its sign is the value's.
         constexpr std::int64_t kFar = 1 << 29;
-        constexpr int kLanes = static_cast<int>(hn::MaxLanes(kInt32));
-        std::uint64_t mask = ~std::uint64_t{0};
-        for (int p = 0; p < 3; ++p) {
-            const std::int64_t u = corner[p];
-            const std::int64_t v = corner[p == 2 ? 0 : p + 1];
-            std::int32_t value[3];
-            for (int k = 0; k < 3; ++k) {
-                const int e = 3 * p + k;
-                const std::int64_t wide = edge_u_[e] * u + edge_v_[e] * v + edge_offset[e];
-                value[k] = static_cast<std::int32_t>(std::clamp(wide >> shift, -kFar, kFar));
-            }
-            const bool want_inside = kInside && p == main_projection_;
-            std::uint32_t squares = 0;
-            std::uint32_t inside_squares = 0;
-            for (int i = 0; i < 16; i += kLanes) {
-                const auto w0 = hn::Add(hn::Load(kInt32, edge_steps_[3 * p] + i),
-                                        hn::Set(kInt32, value[0]));
-                const auto w1 = hn::Add(hn::Load(kInt32, edge_steps_[3 * p + 1] + i),
-                                        hn::Set(kInt32, value[1]));
-                const auto w2 = hn::Add(hn::Load(kInt32, edge_steps_[3 * p + 2] + i),
-                                        hn::Set(kInt32, value[2]));
-                squares |= non_negative(kInt32, hn::Or(w0, hn::Or(w1, w2))) << i;
-                if (want_inside) {
-                    const auto i0 = hn::Sub(w0, hn::Set(kInt32, edge_reach_[3 * p]));
-                    const auto i1 = hn::Sub(w1, hn::Set(kInt32, edge_reach_[3 * p + 1]));
-                    const auto i2 = hn::Sub(w2, hn::Set(kInt32, edge_reach_[3 * p + 2]));
-                    inside_squares |= non_negative(kInt32, hn::Or(i0, hn::Or(i1, i2))) << i;
-                }
-            }
-            mask &= cells_over_squares(p, squares);
-            if (want_inside) *inside = cells_over_squares(p, inside_squares);
+        EdgeValues values;
+        for (int e = 0; e < kEdges; ++e)
+            values.value[e] = static_cast<std::int32_t>(std::clamp(wide[e], -kFar, kFar));
+        return values;
+    }
+
+    HWY_INLINE EdgeValues edge_values(const ivec3& corner, int shift,
+                                      const std::int64_t* offset) const {
+        std::int64_t wide[kEdges];
+        wide_edge_values(corner, shift, offset, wide);
+        return clamped(wide);
+    }
+
+    /// The squares u + 4v of a projection for which all three edge tests, less `reach`, hold.
+    HWY_INLINE std::uint32_t squares(int p, const EdgeValues& values,
+                                     const std::int32_t* reach) const {
+        const int e = 3 * p;
+        const auto v0 = hn::Set(kInt32, values.value[e] - reach[0]);
+        const auto v1 = hn::Set(kInt32, values.value[e + 1] - reach[1]);
+        const auto v2 = hn::Set(kInt32, values.value[e + 2] - reach[2]);
+        std::uint32_t mask = 0;
+        for (int i = 0; i < 16; i += kLanes32) {
+            const auto w0 = hn::Add(hn::Load(kInt32, edge_steps_[e] + i), v0);
+            const auto w1 = hn::Add(hn::Load(kInt32, edge_steps_[e + 1] + i), v1);
+            const auto w2 = hn::Add(hn::Load(kInt32, edge_steps_[e + 2] + i), v2);
+            mask |= non_negative(kInt32, hn::Or(w0, hn::Or(w1, w2))) << i;
         }
         return mask;
     }
 
-    // 16 steps of each edge test over the squares of a projection, u + 4v, for conservative cells.
+    HWY_INLINE std::uint64_t in_projections(const EdgeValues& values) const {
+        static constexpr std::int32_t kNoReach[3] = {};
+        return cells_over_squares(0, squares(0, values, kNoReach)) &
+               cells_over_squares(1, squares(1, values, kNoReach)) &
+               cells_over_squares(2, squares(2, values, kNoReach));
+    }
+
+    HWY_INLINE std::uint64_t inside_main_projection(const EdgeValues& values) const {
+        const int p = main_projection_;
+        return cells_over_squares(p, squares(p, values, edge_reach_ + 3 * p));
+    }
+
+    // Steps of each edge test over the squares u + 4v of its projection, from the square's best
+    // corner.
     HWY_ALIGN std::int32_t edge_steps_[kEdges][16];
-    HWY_ALIGN std::int32_t plane_steps_32_[16];
-    HWY_ALIGN std::int64_t plane_steps_64_[8];
+    HWY_ALIGN std::int32_t plane_steps_[64];        // in Morton order, without plane_low_bits_
+    HWY_ALIGN std::int64_t exact_plane_steps_[8];   // of the first 2x2x2 cells, all bits
     std::int64_t edge_u_[kEdges], edge_v_[kEdges];  // inward normals of the projected edges
     std::int64_t edge_offset_[kEdges];
     std::int64_t voxel_edge_offset_[kEdges];
@@ -202,9 +294,9 @@ private:
     std::int64_t normal_[3];
     PlaneTest cell_plane_, voxel_plane_;
     ivec3 vertex_, bounds_low_, bounds_high_;
+    int plane_low_bits_;
     int main_projection_;
     int voxel_shift_;
-    bool narrow_plane_;
 };
 
 inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, int voxel_shift,
@@ -225,38 +317,40 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
     const bool degenerate = (normal_[0] | normal_[1] | normal_[2]) == 0;
     const bool thin = rule == VoxelRule::thin && !degenerate;
 
-    // Orientation of each projection, before the normal is shortened below. Where a projection has no
-    // area either sign serves: its edges run both ways along one line and bound it from both sides.
+    // Orientation of each projection, before the normal is shortened below. Where a projection has
+    // no area either sign serves: its edges run both ways along one line and bound it from both
+    // sides.
     const int sign[3] = {normal_[2] < 0 ? -1 : 1, normal_[0] < 0 ? -1 : 1, normal_[1] < 0 ? -1 : 1};
 
     std::int64_t size[3] = {std::abs(normal_[0]), std::abs(normal_[1]), std::abs(normal_[2])};
-    const std::int64_t total = size[0] + size[1] + size[2];
     std::int64_t largest = std::max({size[0], size[1], size[2]});
     main_projection_ = largest == size[2] ? 0 : largest == size[0] ? 1 : 2;
-    if (total == largest && total > 1) {  // parallel to a face of the grid: any length will do
+    if (size[0] + size[1] + size[2] == largest && largest > 1) {
+        // Parallel to a face of the grid: any length will do.
         for (int axis = 0; axis < 3; ++axis) {
             normal_[axis] = normal_[axis] > 0 ? 1 : normal_[axis] < 0 ? -1 : 0;
             size[axis] = std::abs(normal_[axis]);
         }
         largest = 1;
     }
-    std::int64_t positive = 0, sum = 0, reach = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        positive += std::max<std::int64_t>(normal_[axis], 0);
-        sum += normal_[axis];
-        reach += size[axis];
-    }
-    cell_plane_ = {2 * positive, reach};
-    voxel_plane_ = thin ? PlaneTest{sum + largest, largest} : cell_plane_;
+    std::int64_t positive = 0;
+    for (const std::int64_t n : normal_) positive += std::max<std::int64_t>(n, 0);
+    cell_plane_ = {2 * positive, size[0] + size[1] + size[2]};
+    voxel_plane_ =
+        thin ? PlaneTest{normal_[0] + normal_[1] + normal_[2] + largest, largest} : cell_plane_;
 
-    narrow_plane_ = largest <= 1 << 26;
-    for (int i = 0; i < 16; ++i) {
-        const std::int64_t step = (i & 1) * normal_[0] + (i >> 1 & 1) * normal_[1] +
-                                  (i >> 2 & 1) * normal_[2];
-        plane_steps_32_[i] =
-            narrow_plane_ ? static_cast<std::int32_t>(step + (i >> 3) * 2 * normal_[0]) : 0;
-        if (i < 8) plane_steps_64_[i] = step;
-    }
+    // 26 bits, so that 9 steps and a value of 30 bits fit 32.
+    plane_low_bits_ = 0;
+    while (largest >> plane_low_bits_ > 1 << 26) ++plane_low_bits_;
+    std::int32_t high[3];
+    for (int axis = 0; axis < 3; ++axis)
+        high[axis] = static_cast<std::int32_t>(normal_[axis] >> plane_low_bits_);
+    for (unsigned code = 0; code < 64; ++code)
+        plane_steps_[code] = high[0] * kCellOfCode[code].x + high[1] * kCellOfCode[code].y +
+                             high[2] * kCellOfCode[code].z;
+    for (int i = 0; i < 8; ++i)
+        exact_plane_steps_[i] =
+            (i & 1) * normal_[0] + (i >> 1 & 1) * normal_[1] + (i >> 2) * normal_[2];
 
     for (int p = 0; p < 3; ++p) {
         const int u = p, v = p == 2 ? 0 : p + 1;
@@ -277,9 +371,9 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
             voxel_edge_offset_[e] = edge_offset_[e];
             if (thin) {
                 // The edge passes within half a voxel, along u or v, of the voxel's centre. Written
-                // as a correction of the corner that the steps above already contain.
-                const std::int64_t twice = std::int64_t{nu} + nv +
-                                           std::max(std::abs(nu), std::abs(nv)) - 2 * best_corner;
+                // as a correction of the best corner that the steps above already contain.
+                const std::int64_t twice =
+                    std::int64_t{nu} + nv + std::max(std::abs(nu), std::abs(nv)) - 2 * best_corner;
                 voxel_edge_offset_[e] += twice << (voxel_shift - 1);
             }
         }

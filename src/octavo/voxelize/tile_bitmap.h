@@ -9,8 +9,8 @@
 namespace octavo {
 
 /// The voxels of one tile as a dense array of leaf masks, to be filled in any order and read out in
-/// Morton order. On top lie bit sets of the blocks that are not empty, 64-fold coarser at each step, so
-/// that reading out and clearing cost what the tile holds and not what it could hold.
+/// Morton order. On top lie bit sets of the blocks that are not empty, 64-fold coarser at each
+/// step, so that reading out and clearing cost what the tile holds and not what it could hold.
 /// Memory: one bit for each voxel of the tile, and 1/63 more.
 class TileBitmap {
 public:

@@ -60,29 +60,22 @@ CellRange intersection(const CellRange& a, const CellRange& b) {
     return {glm::max(a.first, b.first), glm::min(a.last, b.last)};
 }
 
-constexpr auto kCellOfCode = [] {
-    std::array<ivec3, 64> table{};
-    for (std::uint32_t code = 0; code < 64; ++code) table[code] = ivec3(morton_decode(code));
-    return table;
-}();
-
-/// Calls visit(position in the window) for each cell of a mask, in Morton order.
+/// Calls visit(Morton code in the window) for each cell of a mask, in order.
 template <class Visit>
 HWY_INLINE void for_each_cell(std::uint64_t mask, const Visit& visit) {
-    for (; mask != 0; mask &= mask - 1)
-        visit(kCellOfCode[static_cast<unsigned>(std::countr_zero(mask))]);
+    for (; mask != 0; mask &= mask - 1) visit(static_cast<unsigned>(std::countr_zero(mask)));
 }
 
-/// Calls visit(cell) for the cells of 2^target_bits voxels that the triangle meets, out of the wanted
-/// ones of a window of 4x4x4 cells of 2^bits voxels. bits - target_bits is even and not negative.
-/// The recursion is as deep as half that.
+/// Calls visit(cell) for the cells of 2^target_bits voxels that the triangle meets, out of the
+/// wanted ones of a window of 4x4x4 cells of 2^bits voxels. bits - target_bits is even and not
+/// negative. The recursion is as deep as half that.
 template <class Visit>
 void descend(const Space& space, const TriangleCells& triangle, const ivec3& first, int bits,
              int target_bits, std::uint64_t wanted, const Visit& visit) {
     const std::uint64_t met =
-        triangle.cells<false>(space.corner(first, bits), space.voxel_shift + bits).cells & wanted;
-    for_each_cell(met, [&](const ivec3& position) {
-        const ivec3 cell = first + position;
+        triangle.cells(space.corner(first, bits), space.voxel_shift + bits) & wanted;
+    for_each_cell(met, [&](unsigned code) {
+        const ivec3 cell = first + kCellOfCode[code];
         if (bits == target_bits) {
             visit(cell);
         } else {
@@ -123,10 +116,9 @@ public:
         if (voxels.longest_side() <= 4) return add_small(triangle, voxels);
 
         const int bits = fit_window(range, 2);
-        if (bits == 2) return add_blocks(triangle, range.first, range.in_window());
-        descend(space_, triangle, range.first, bits, 4, range.in_window(), [&](const ivec3& cell) {
-            add_blocks(triangle, cell << 2, ~std::uint64_t{0});
-        });
+        if (bits == 2) return add_blocks(triangle, range);
+        descend(space_, triangle, range.first, bits, 4, range.in_window(),
+                [&](const ivec3& cell) { add_aligned_blocks(triangle, cell << 2); });
     }
 
 private:
@@ -135,33 +127,48 @@ private:
         bitmap_.set(code >> 6, std::uint64_t{1} << (code & 63));
     }
 
-    void set_block(const ivec3& block, std::uint64_t voxels) {
-        if (voxels == 0) return;
-        const uvec3 in_tile(block - (tile_.first >> 2));
-        bitmap_.set(static_cast<std::uint32_t>(morton_encode(in_tile)), voxels);
+    [[nodiscard]] std::uint32_t code_in_tile(const ivec3& block) const {
+        return static_cast<std::uint32_t>(morton_encode(uvec3(block - (tile_.first >> 2))));
+    }
+
+    void set_block(std::uint32_t code, std::uint64_t voxels) {
+        if (voxels != 0) bitmap_.set(code, voxels);
     }
 
     void add_block(const TriangleCells& triangle, const ivec3& block) {
-        set_block(block, triangle.voxels(space_.corner(block, 2)));
+        set_block(code_in_tile(block), triangle.voxels(space_.corner(block, 2)));
     }
 
     // Up to 4x4x4 voxels that straddle blocks: one test, then bit by bit.
     void add_small(const TriangleCells& triangle, const CellRange& voxels) {
         const std::uint64_t met = triangle.voxels(space_.corner(voxels.first, 0));
         for_each_cell(met & voxels.in_window(),
-                      [&](const ivec3& position) { set_voxel(voxels.first + position); });
+                      [&](unsigned code) { set_voxel(voxels.first + kCellOfCode[code]); });
     }
 
-    // The wanted ones of 4x4x4 blocks.
-    void add_blocks(const TriangleCells& triangle, const ivec3& first, std::uint64_t wanted) {
-        const TriangleCells::Overlap met =
-            triangle.cells<true>(space_.corner(first, 2), space_.voxel_shift + 2);
-        for_each_cell(met.inside & wanted, [&](const ivec3& position) {
-            const ivec3 block = first + position;
-            set_block(block, triangle.voxels_of_plane(space_.corner(block, 2)));
+    // Up to 4x4x4 blocks, anywhere.
+    void add_blocks(const TriangleCells& triangle, const CellRange& blocks) {
+        fill_window(triangle, blocks.first, blocks.in_window(),
+                    [&](unsigned code) { return code_in_tile(blocks.first + kCellOfCode[code]); });
+    }
+
+    // 4x4x4 blocks whose first one is a multiple of 4: their codes follow each other.
+    void add_aligned_blocks(const TriangleCells& triangle, const ivec3& first) {
+        const std::uint32_t base = code_in_tile(first);
+        fill_window(triangle, first, ~std::uint64_t{0}, [&](unsigned code) { return base + code; });
+    }
+
+    template <class TileCode>
+    HWY_INLINE void fill_window(const TriangleCells& triangle, const ivec3& first,
+                                std::uint64_t wanted, const TileCode& tile_code) {
+        const ivec3 corner = space_.corner(first, 2);
+        const TriangleCells::Blocks blocks = triangle.blocks(corner);
+        const TriangleCells::BlockVoxels voxels(triangle, corner);
+        for_each_cell(blocks.inside & wanted, [&](unsigned code) {
+            set_block(tile_code(code), voxels.voxels_of_plane(code));
         });
-        for_each_cell(met.cells & ~met.inside & wanted,
-                      [&](const ivec3& position) { add_block(triangle, first + position); });
+        for_each_cell(blocks.met & ~blocks.inside & wanted,
+                      [&](unsigned code) { set_block(tile_code(code), voxels.voxels(code)); });
     }
 
     Space space_;
@@ -170,8 +177,8 @@ private:
     TileBitmap& bitmap_;
 };
 
-void RasterizeTile(const FixedMesh& mesh, std::span<const TileTriangle> triangles, const uvec3& tile,
-                   int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
+void RasterizeTile(const FixedMesh& mesh, std::span<const TileTriangle> triangles,
+                   const uvec3& tile, int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
     Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
     std::array<FixedPoint, 3> corners;
     for (const TileTriangle& t : triangles)

@@ -10,8 +10,8 @@
 #include "octavo/voxelize/rule.h"
 #include "octavo/voxelize/tile_bitmap.h"
 
-/// Triangles against cells, with the widest SIMD instructions that the machine has. Which ones it has
-/// makes no difference to the result.
+/// Triangles against cells, with the widest SIMD instructions that the machine has. Which ones it
+/// has makes no difference to the result.
 namespace octavo {
 
 /// A triangle, and a tile whose closed cube it meets.
@@ -37,8 +37,8 @@ void rasterize_tile(const FixedMesh& mesh, std::span<const TileTriangle> triangl
 /// Names of the SIMD targets that this program was compiled for and this machine has, best first.
 [[nodiscard]] std::vector<const char*> simd_targets();
 
-/// Restricts the functions above to one of simd_targets(), or with nullptr lifts the restriction. For
-/// tests; not while they run.
+/// Restricts the functions above to one of simd_targets(), or with nullptr lifts the restriction.
+/// For tests; not while they run.
 void force_simd_target(const char* name);
 
 }  // namespace octavo

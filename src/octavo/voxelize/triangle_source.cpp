@@ -14,15 +14,15 @@
 namespace octavo {
 namespace {
 
-constexpr int kMaxTileDepth = 10;  // a tile's bitmap is then 128 MiB for each thread
+constexpr int kMaxTileDepth = 10;   // a tile's bitmap is then 128 MiB for each thread
 constexpr int kMaxTilesDepth = 10;  // so that a tile's Morton code fits 32 bits
 
 int checked_tile_depth(int tile_depth, int grid_depth) {
     if (tile_depth < 2 || tile_depth > grid_depth || tile_depth > kMaxTileDepth ||
         grid_depth - tile_depth > kMaxTilesDepth)
         throw Error(Errc::bad_argument,
-                    "a tile of " + std::to_string(1 << tile_depth) + " voxels does not suit a grid of " +
-                        std::to_string(1 << grid_depth) +
+                    "a tile of " + std::to_string(1 << tile_depth) +
+                        " voxels does not suit a grid of " + std::to_string(1 << grid_depth) +
                         ": a tile has 4 to 1024 voxels a side and a grid at most 1024 tiles");
     return tile_depth;
 }

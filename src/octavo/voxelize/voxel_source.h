@@ -12,8 +12,8 @@ struct LeafBlock {
     std::uint32_t code;    // Morton code of the block inside its tile
 };
 
-/// Something that can say which voxels a region of the grid contains. The grid is cut into cubic tiles
-/// of 2^tile_depth() voxels a side; each tile is answered on its own, from any thread.
+/// Something that can say which voxels a region of the grid contains. The grid is cut into cubic
+/// tiles of 2^tile_depth() voxels a side; each tile is answered on its own, from any thread.
 class VoxelSource {
 public:
     virtual ~VoxelSource() = default;
@@ -24,8 +24,8 @@ public:
     /// Morton codes, increasing, of the tiles that may contain a voxel. Unit: tiles.
     [[nodiscard]] virtual const std::vector<std::uint64_t>& tiles() const = 0;
 
-    /// Fills `leaves` with the blocks of tiles()[index] that have a voxel, in Morton order. The result
-    /// depends on nothing but the source and the tile.
+    /// Fills `leaves` with the blocks of tiles()[index] that have a voxel, in Morton order. The
+    /// result depends on nothing but the source and the tile.
     virtual void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const = 0;
 };
 
