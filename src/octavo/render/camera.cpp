@@ -116,7 +116,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
     sun.name = "sun";
     sun.direction = -(std::cos(elevation) * (std::sin(azimuth) * x + std::cos(azimuth) * z) +
                       std::sin(elevation) * y);
-    sun.intensity = vec3(1.0f, 0.90f, 0.76f) * 3.4f;
+    sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.9f;
     return sun;
 }
 

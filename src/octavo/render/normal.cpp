@@ -8,15 +8,52 @@
 namespace octavo {
 namespace {
 
-/// Cells on each side of the one that was hit. 7^3 is what fits 64-bit slices with a margin.
-constexpr int kRadius = 3;
+/// Cells on each side of the one that was hit: with 5, the steps of a cylinder 40 cells across
+/// still show, faintly; with 3 they are stripes.
+constexpr int kRadius = 5;
 constexpr int kSide = 2 * kRadius + 1;
 
-/// A block of 7^3 cells: bit x + 8y of slice z. Column and row 7 stay empty, so that a shift by one
-/// cell never comes round the edge.
-using Block = std::array<std::uint64_t, kSide>;
+/// One layer of a block of 11^3 cells: 12 rows of 16 bits, four rows to a word. The last row and
+/// the last columns stay empty, so that a shift by one cell never comes round an edge.
+struct Layer {
+    std::array<std::uint64_t, 3> words{};
 
-constexpr std::uint64_t kAllCells = 0x007f7f7f7f7f7f7full;
+    void set(int x, int y) { words[y / 4u] |= 1ull << (x + 16 * (y % 4)); }
+    friend bool operator==(const Layer&, const Layer&) = default;
+};
+
+template <typename Function>
+Layer each_word(const Function& function) {
+    Layer result;
+    for (std::size_t i = 0; i < 3; ++i) result.words[i] = function(i);
+    return result;
+}
+
+Layer row_up(const Layer& l) {
+    return {{l.words[0] << 16, l.words[1] << 16 | l.words[0] >> 48,
+             l.words[2] << 16 | l.words[1] >> 48}};
+}
+Layer row_down(const Layer& l) {
+    return {{l.words[0] >> 16 | l.words[1] << 48, l.words[1] >> 16 | l.words[2] << 48,
+             l.words[2] >> 16}};
+}
+
+/// The cells of the middle (2 radius + 1)^2.
+Layer window(int radius) {
+    Layer window;
+    for (int y = kRadius - radius; y <= kRadius + radius; ++y)
+        for (int x = kRadius - radius; x <= kRadius + radius; ++x) window.set(x, y);
+    return window;
+}
+
+using Block = std::array<Layer, kSide>;
+
+const Layer kAllCells = window(kRadius);
+
+/// Weighted together, the faces near the hit count more, and cells fade in as the block moves on.
+constexpr std::array kWindowRadii = {1, 2, 3, 4, 5};
+const std::array<Layer, kWindowRadii.size()> kWindows = {window(1), window(2), window(3), window(4),
+                                                         window(5)};
 
 /// Sets the cells of the block that exist below a node, which is `height` above the block's cells.
 void gather(const shared::DagView& dag, std::uint32_t word, const shared::uvec2& leaf, int height,
@@ -26,7 +63,7 @@ void gather(const shared::DagView& dag, std::uint32_t word, const shared::uvec2&
         glm::any(glm::lessThanEqual(corner + (1 << above), ivec3(0))))
         return;
     if (above == 0) {
-        block[static_cast<std::size_t>(corner.z)] |= 1ull << (corner.x + 8 * corner.y);
+        block[static_cast<std::size_t>(corner.z)].set(corner.x, corner.y);
         return;
     }
     shared::uvec2 voxels = leaf;
@@ -48,39 +85,49 @@ void gather(const shared::DagView& dag, std::uint32_t word, const shared::uvec2&
     }
 }
 
-/// The empty cells that are connected to the cell (x, y, z) through faces, inside the block.
+/// The empty cells that are connected to one cell through faces, inside the block.
 Block connected_space(const Block& occupied, const ivec3& from) {
     Block space{};
-    space[static_cast<std::size_t>(from.z)] = 1ull << (from.x + 8 * from.y);
+    space[static_cast<std::size_t>(from.z)].set(from.x, from.y);
+    const Layer nothing;
     for (bool grew = true; grew;) {
         grew = false;
-        const auto spread = [&](std::size_t z, std::uint64_t neighbours) {
-            const std::uint64_t s = space[z];
-            const std::uint64_t more =
-                (s | s << 1 | s >> 1 | s << 8 | s >> 8 | neighbours) & kAllCells & ~occupied[z];
-            grew |= more != s;
-            space[z] = more;
+        const auto spread = [&](std::size_t z, const Layer& neighbour) {
+            const Layer s = space[z];
+            const Layer up = row_up(s);
+            const Layer down = row_down(s);
+            space[z] = each_word([&](std::size_t i) {
+                const std::uint64_t w = s.words[i];
+                return (w | w << 1 | w >> 1 | up.words[i] | down.words[i] | neighbour.words[i]) &
+                       kAllCells.words[i] & ~occupied[z].words[i];
+            });
+            grew |= space[z] != s;
         };
-        for (std::size_t z = 0; z < kSide; ++z) spread(z, z > 0 ? space[z - 1] : 0);
-        for (std::size_t z = kSide; z-- > 0;) spread(z, z + 1 < kSide ? space[z + 1] : 0);
+        for (std::size_t z = 0; z < kSide; ++z) spread(z, z > 0 ? space[z - 1] : nothing);
+        for (std::size_t z = kSide; z-- > 0;) spread(z, z + 1 < kSide ? space[z + 1] : nothing);
     }
     return space;
 }
 
-/// The sum of the faces between the space and the occupied cells, within `radius` of the middle.
-ivec3 sum_of_faces(const Block& occupied, const Block& space, int radius) {
-    std::uint64_t window = 0;
-    for (int y = kRadius - radius; y <= kRadius + radius; ++y)
-        for (int x = kRadius - radius; x <= kRadius + radius; ++x) window |= 1ull << (x + 8 * y);
+/// The sum of the faces between the occupied cells of the window and the space.
+ivec3 sum_of_faces(const Block& occupied, const Block& space, int radius, const Layer& within) {
+    const Layer nothing;
     ivec3 sum(0);
     for (int z = kRadius - radius; z <= kRadius + radius; ++z) {
         const auto k = static_cast<std::size_t>(z);
-        const std::uint64_t o = occupied[k] & window;
-        const std::uint64_t s = space[k];
-        sum.x += std::popcount(o << 1 & s) - std::popcount(o >> 1 & s);
-        sum.y += std::popcount(o << 8 & s) - std::popcount(o >> 8 & s);
-        if (z + 1 < kSide) sum.z += std::popcount(o & space[k + 1]);
-        if (z > 0) sum.z -= std::popcount(o & space[k - 1]);
+        const Layer cells =
+            each_word([&](std::size_t i) { return occupied[k].words[i] & within.words[i]; });
+        const Layer up = row_up(cells);
+        const Layer down = row_down(cells);
+        const Layer& above = k + 1 < kSide ? space[k + 1] : nothing;
+        const Layer& below = k > 0 ? space[k - 1] : nothing;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint64_t s = space[k].words[i];
+            const std::uint64_t c = cells.words[i];
+            sum.x += std::popcount(c << 1 & s) - std::popcount(c >> 1 & s);
+            sum.y += std::popcount(up.words[i] & s) - std::popcount(down.words[i] & s);
+            sum.z += std::popcount(c & above.words[i]) - std::popcount(c & below.words[i]);
+        }
     }
     return sum;
 }
@@ -104,7 +151,8 @@ vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
     gather(dag, 0, shared::uvec2(0), dag.depth, hit.height, corner, occupied);
     const Block space = connected_space(occupied, ivec3(kRadius) + ivec3(face));
     ivec3 sum(0);
-    for (int radius = 1; radius <= kRadius; ++radius) sum += sum_of_faces(occupied, space, radius);
+    for (std::size_t i = 0; i < kWindows.size(); ++i)
+        sum += sum_of_faces(occupied, space, kWindowRadii[i], kWindows[i]);
     const vec3 normal(sum);
     return sum == ivec3(0) ? face : glm::normalize(normal);
 }

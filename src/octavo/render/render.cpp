@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -23,13 +24,38 @@ namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
 
+/// The smoothed normals of the cells that a tile has met: close to a surface many pixels share one.
+/// A slot holds the last normal that fell on it, which depends on the cell and face alone, so the
+/// picture does not depend on what is found here.
+class NormalCache {
+public:
+    vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
+        const std::uint32_t key = shared::mix_bits(
+            hit.path.x + shared::mix_bits(hit.path.y + shared::mix_bits(hit.path.z)));
+        Entry& entry = entries_[key % entries_.size()];
+        if (entry.face != hit.face || entry.height != hit.height || entry.path != hit.path ||
+            hit.face == shared::kFaceInside)
+            entry = {hit.path, hit.height, hit.face, smooth_normal(dag, ray, hit)};
+        return entry.normal;
+    }
+
+private:
+    struct Entry {
+        uvec3 path{0};
+        int height = 0;
+        int face = shared::kFaceNone;
+        vec3 normal{0.0f};
+    };
+    std::array<Entry, 64> entries_;
+};
+
 const vec3 kClay(0.78f, 0.76f, 0.72f);
 const vec3 kZenith(0.30f, 0.47f, 0.78f);
 const vec3 kHorizon(0.80f, 0.86f, 0.93f);
 const vec3 kGround(0.42f, 0.39f, 0.35f);
 /// The sky's light on a surface that sees all of it, for an albedo of one.
-const vec3 kSkyLight(0.52f, 0.62f, 0.80f);
-const vec3 kGroundLight(0.30f, 0.27f, 0.23f);
+const vec3 kSkyLight(0.36f, 0.44f, 0.58f);
+const vec3 kGroundLight(0.22f, 0.19f, 0.16f);
 
 /// How far secondary rays of a smoothed surface start above it, in cells: the steps of a slanted
 /// plane are up to one cell high, and its shading must not see them.
@@ -77,8 +103,9 @@ public:
         if (options_.beam)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
+        NormalCache normals;
         for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) draw_pixel(x, y, start, image);
+            for (int x = x0; x < x1; ++x) draw_pixel(x, y, start, normals, image);
     }
 
 private:
@@ -92,7 +119,7 @@ private:
         return look_at(c.eye, c.eye + c.forward, c.up, c.vertical_fov);
     }
 
-    void draw_pixel(int x, int y, float start, Image& image) const {
+    void draw_pixel(int x, int y, float start, NormalCache& normals, Image& image) const {
         const std::uint32_t seed = shared::pixel_seed(
             static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), options_.frame);
         vec3 sum(0.0f);
@@ -108,7 +135,7 @@ private:
             if (!rays_.sees_nothing() && start < ray.t_max)
                 hit = trace_closest(dag_, ray, primary_stop_);
             const bool found = hit.face != shared::kFaceNone;
-            sum += found ? shade(ray, hit, i, seed) : sky(dir);
+            sum += found ? shade(ray, hit, i, seed, normals) : sky(dir);
             if (i == 0)
                 depth = found ? static_cast<float>((rays_.t_before() + hit.t) * grid_.voxel_size)
                               : std::numeric_limits<float>::infinity();
@@ -131,12 +158,12 @@ private:
     }
 
     [[nodiscard]] vec3 shade(const shared::GridRay& ray, const shared::GridHit& hit, int i,
-                             std::uint32_t seed) const {
+                             std::uint32_t seed, NormalCache& normals) const {
         vec3 normal = face_normal(ray, hit);
         shared::GridRay start = leave_hit(ray, hit, normal);
         int face = hit.face;
         if (options_.smooth_normals) {
-            normal = smooth_normal(dag_, ray, hit);
+            normal = normals.get(dag_, ray, hit);
             const vec3 lifted = start.frac + kLift * static_cast<float>(1 << hit.height) * normal;
             start.cell += ivec3(glm::floor(lifted));
             start.frac = lifted - glm::floor(lifted);
