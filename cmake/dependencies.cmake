@@ -12,8 +12,6 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compres
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
 find_package(PNG REQUIRED)       # pictures
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
-find_path(OCTAVO_TINYGLTF_DIR tiny_gltf.h REQUIRED)            # glTF: keeps matrices in double
-find_path(OCTAVO_TINYOBJ_DIR tiny_obj_loader.h REQUIRED)       # OBJ: can parse in double
 
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments

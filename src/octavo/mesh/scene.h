@@ -14,7 +14,8 @@
 
 namespace octavo {
 
-/// A picture that a material refers to: a file, or the encoded bytes that came inside the scene file.
+/// A picture that a material refers to: a file, or the encoded bytes that came inside the scene
+/// file.
 struct Texture {
     std::string name;
     std::filesystem::path file;      // absolute, inside the scene file's folder; or empty
@@ -48,10 +49,10 @@ struct Light {
 
     std::string name;
     Kind kind = Kind::sun;
-    dvec3 position{0.0};              // point, spot
-    dvec3 direction{0.0, -1.0, 0.0};  // sun, spot: the way the light travels; unit length
-    vec3 intensity{1.0f};             // sun: irradiance; point, spot: radiant intensity
-    double inner_angle = 0.0;         // spot: half angle of the full-bright cone, radians
+    dvec3 position{0.0};                      // point, spot
+    dvec3 direction{0.0, -1.0, 0.0};          // sun, spot: the way the light travels; unit length
+    vec3 intensity{1.0f};                     // sun: irradiance; point, spot: radiant intensity
+    double inner_angle = 0.0;                 // spot: half angle of the full-bright cone, radians
     double outer_angle = 0.7853981633974483;  // spot: half angle where the light ends
 };
 
@@ -64,6 +65,7 @@ struct Scene {
     std::vector<uvec3> triangles;  // indices into positions, all in range
 
     // Each of these is empty, or as long as positions.
+    // Texture coordinate (0, 0) is the upper left corner of the picture, as in glTF.
     std::vector<vec2> texture_coordinates;
     std::vector<std::array<std::uint8_t, 4>> colors;  // linear RGBA, multiplies the base colour
 
@@ -83,8 +85,9 @@ struct Scene {
         return {positions[t.x], positions[t.y], positions[t.z]};
     }
 
-    /// The smallest box that holds every finite corner of every triangle; positions that no triangle
-    /// uses do not count. Cost: one pass over the triangles, parallel.
+    /// The smallest box that holds every triangle whose corners are all finite; other triangles,
+    /// and positions that no triangle uses, do not count. Cost: one pass over the triangles,
+    /// parallel.
     [[nodiscard]] Box bounds() const;
 };
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "octavo/core/progress.h"
+#include "octavo/dag/dag.h"
+#include "octavo/voxelize/voxel_source.h"
+
+namespace octavo {
+
+struct ConstructOptions {
+    std::uint64_t max_memory_bytes = 0;  // resident, of the whole process; 0: no cap
+    ProgressFunction progress;           // phase "voxelize", in tiles
+};
+
+/// Builds the minimal DAG of a voxel source. Tiles are voxelized and reduced in parallel, by as many
+/// threads as the calling oneTBB arena has, and merged one after the other in Morton order; so nodes
+/// come to stand in the order in which the tree first meets them, whatever the tiles and the threads.
+///
+/// @param depth  of the grid that the source's tiles are cut from
+/// @throws Error limit where the memory cap or 2^32 words would be passed; cancelled
+/// Source        [K13] section 3
+[[nodiscard]] Dag construct(const VoxelSource& source, int depth, const ConstructOptions& options);
+
+}  // namespace octavo

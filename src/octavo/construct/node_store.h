@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/construct/unique_nodes.h"
+#include "octavo/dag/dag.h"
+
+namespace octavo {
+
+/// A DAG that still grows: the unique nodes of every level up to some height.
+///
+/// Levels are counted from below here, because a part of the scene knows its leaves and not the root:
+/// height 0 are the 4x4x4 leaves, a node of height h is 2^(h + 2) voxels wide, and a grid of depth d has
+/// its root at height d - 2.
+class NodeStore {
+public:
+    /// @param top  the greatest height that nodes will have
+    explicit NodeStore(int top);
+
+    [[nodiscard]] int top() const { return static_cast<int>(levels_.size()) - 1; }
+    [[nodiscard]] UniqueNodes& level(int height) { return levels_[static_cast<unsigned>(height)]; }
+    [[nodiscard]] const UniqueNodes& level(int height) const {
+        return levels_[static_cast<unsigned>(height)];
+    }
+
+    std::uint32_t add_leaf(std::uint64_t voxels) {
+        const std::uint32_t words[kLeafWords] = {static_cast<std::uint32_t>(voxels),
+                                                 static_cast<std::uint32_t>(voxels >> 32)};
+        return levels_[0].add(words);
+    }
+
+    /// Adds all nodes of a smaller store whose heights this one has too. Afterwards, node `id` of
+    /// height h of `part` is node new_id(h, id) here.
+    ///
+    /// Equal parts merged in the same order give equal stores, and a node that is new is appended: so
+    /// parts merged in Morton order leave every level in the order of the whole tree.
+    /// @return  the id here of the single node that `part` has at its top
+    std::uint32_t merge_root(const NodeStore& part);
+
+    /// Forgets all nodes, keeps the memory.
+    void clear();
+
+    /// The finished DAG. The store is consumed.
+    /// @param depth  the grid's; the store's top level, depth - 2, holds the root or nothing
+    /// @throws Error limit where the DAG has more than 2^32 words
+    [[nodiscard]] Dag freeze(int depth) &&;
+
+private:
+    std::vector<UniqueNodes> levels_;
+    std::vector<std::uint32_t> new_ids_, new_ids_below_;  // scratch of merge_root
+};
+
+}  // namespace octavo

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octavo/construct/node_store.h"
+#include "octavo/voxelize/voxel_source.h"
+
+namespace octavo {
+
+/// A cell of one level of a region, and the node that describes it.
+struct CellNode {
+    std::uint32_t code;  // Morton code of the cell among the region's cells of that level
+    std::uint32_t node;  // id in the store, at that level's height
+};
+
+/// Replaces cells by their parents: groups each run of siblings into one node of the given height.
+///
+/// @param cells   of height - 1, in Morton order; becomes the cells of `height`, in Morton order
+void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
+
+/// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by level
+/// ([K13] section 3).
+///
+/// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top height
+/// @param cells   scratch
+void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
+                   std::vector<CellNode>& cells);
+
+}  // namespace octavo

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <span>
+
+namespace octavo {
+
+/// A growing array of 32-bit words. Unlike std::vector it grows by realloc, which moves large blocks by
+/// remapping pages: growth neither copies nor holds the old and the new array at once, and the room
+/// ahead of the end takes no memory until it is written.
+class WordArray {
+public:
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+    [[nodiscard]] const std::uint32_t* data() const { return words_.get(); }
+    [[nodiscard]] std::uint32_t* data() { return words_.get(); }
+    [[nodiscard]] std::span<const std::uint32_t> words() const { return {words_.get(), size_}; }
+
+    void append(const std::uint32_t* words, int count) {
+        if (size_ + static_cast<unsigned>(count) > capacity_) grow();
+        std::memcpy(words_.get() + size_, words, static_cast<unsigned>(count) * sizeof(std::uint32_t));
+        size_ += static_cast<unsigned>(count);
+    }
+
+    /// Forgets the words, keeps the room.
+    void clear() { size_ = 0; }
+
+    /// Gives the memory back.
+    void reset() { *this = WordArray(); }
+
+private:
+    struct Free {
+        void operator()(std::uint32_t* p) const { std::free(p); }
+    };
+
+    void grow() {
+        const std::uint64_t capacity = capacity_ < kLeast ? kLeast : capacity_ + capacity_ / 2;
+        void* grown = std::realloc(words_.get(), capacity * sizeof(std::uint32_t));
+        if (grown == nullptr) throw std::bad_alloc();
+        (void)words_.release();
+        words_.reset(static_cast<std::uint32_t*>(grown));
+        capacity_ = capacity;
+    }
+
+    static constexpr std::uint64_t kLeast = 1024;  // more than any single append
+
+    std::unique_ptr<std::uint32_t, Free> words_;
+    std::uint64_t size_ = 0;
+    std::uint64_t capacity_ = 0;
+};
+
+}  // namespace octavo

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+namespace octavo {
+
+/// Physical memory that this process holds now, in bytes; 0 where the system does not say.
+[[nodiscard]] std::uint64_t resident_bytes();
+
+/// The most that it has held so far.
+[[nodiscard]] std::uint64_t peak_resident_bytes();
+
+}  // namespace octavo

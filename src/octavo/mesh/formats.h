@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "octavo/mesh/file_bytes.h"
+#include "octavo/mesh/scene.h"
+
+/// One reader per format; `load_scene` chooses. Each fills a scene from bytes that are in memory,
+/// and may find that it has no triangles.
+namespace octavo::formats {
+
+[[nodiscard]] Scene read_gltf(const FileBytes& bytes);  // .gltf and .glb
+[[nodiscard]] Scene read_obj(const FileBytes& bytes);
+[[nodiscard]] Scene read_ply(const FileBytes& bytes);
+[[nodiscard]] Scene read_stl(const FileBytes& bytes);
+
+/// Whether assimp has a reader for this file name.
+[[nodiscard]] bool assimp_knows(const std::filesystem::path& file);
+/// Opens the file itself. @throws Error
+[[nodiscard]] Scene read_with_assimp(const std::filesystem::path& file);
+
+}  // namespace octavo::formats

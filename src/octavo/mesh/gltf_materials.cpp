@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/mesh/gltf_materials.h"
+
+#include <cmath>
+#include <map>
+
+#include "octavo/mesh/confined_path.h"
+#include "octavo/mesh/texture_files.h"
+
+namespace octavo::gltf {
+namespace {
+
+constexpr float kDefaultCutoff = 0.5f;
+
+class MaterialReader {
+public:
+    MaterialReader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+
+    TexturePlacement read(const json& source) {
+        Material material;
+        TexturePlacement placement;
+        material.name = value_or<std::string>(source, "name", "");
+
+        if (const json* pbr = child(source, "pbrMetallicRoughness")) {
+            material.base_color = vec4(numbers(*pbr, "baseColorFactor", dvec4(1.0)));
+            material.base_color_texture = texture(child(*pbr, "baseColorTexture"), &placement);
+        } else if (const json* old = extension(source, "KHR_materials_pbrSpecularGlossiness")) {
+            material.base_color = vec4(numbers(*old, "diffuseFactor", dvec4(1.0)));
+            material.base_color_texture = texture(child(*old, "diffuseTexture"), &placement);
+        }
+
+        material.emission = vec3(numbers(source, "emissiveFactor", dvec4(0.0)));
+        if (const json* strength = extension(source, "KHR_materials_emissive_strength"))
+            material.emission *= value_or(*strength, "emissiveStrength", 1.0f);
+        // A vertex has one texture coordinate here, and the base colour's comes first.
+        const bool has_base = material.base_color_texture != Material::kNoTexture;
+        material.emission_texture =
+            texture(child(source, "emissiveTexture"), has_base ? nullptr : &placement);
+
+        const auto mode = value_or<std::string>(source, "alphaMode", "OPAQUE");
+        if (mode == "MASK") material.alpha_cutoff = value_or(source, "alphaCutoff", kDefaultCutoff);
+        if (mode == "BLEND")
+            scene_.warnings.push_back("material '" + material.name +
+                                      "' is transparent: taken as opaque");
+        scene_.materials.push_back(std::move(material));
+        return placement;
+    }
+
+private:
+    /// The scene's texture for a textureInfo object.
+    int texture(const json* info, TexturePlacement* placement) {
+        if (!info) return Material::kNoTexture;
+        if (placement) {
+            placement->set = whole(*info, "texCoord").value_or(0);
+            if (const json* moved = extension(*info, "KHR_texture_transform")) {
+                placement->offset = glm::dvec2(numbers(*moved, "offset", dvec4(0.0)));
+                placement->scale = glm::dvec2(numbers(*moved, "scale", dvec4(1.0)));
+                placement->rotation = value_or(*moved, "rotation", 0.0);
+                placement->set = whole(*moved, "texCoord").value_or(placement->set);
+            }
+        }
+        const auto index = whole(*info, "index");
+        if (!index) return Material::kNoTexture;
+        const auto source = whole(document_.object("textures", *index), "source");
+        if (!source) {
+            scene_.warnings.push_back("texture " + std::to_string(*index) +
+                                      " has no picture in a known format: left out");
+            return Material::kNoTexture;
+        }
+        const auto known = images_.find(*source);
+        if (known != images_.end()) return known->second;
+        return images_[*source] = image(document_.object("images", *source));
+    }
+
+    int image(const json& source) {
+        Texture texture;
+        texture.name = value_or<std::string>(source, "name", "");
+        if (const auto view = whole(source, "bufferView")) {
+            const auto bytes = document_.buffer_view(*view);
+            texture.encoded.assign(bytes.begin(), bytes.end());
+        } else {
+            const auto uri = value_or<std::string>(source, "uri", "");
+            auto data = data_uri(uri);
+            if (!data)
+                return add_texture_file(scene_, folder_of(document_.file().file()),
+                                        percent_decoded(uri));
+            texture.encoded = std::move(*data);
+        }
+        scene_.textures.push_back(std::move(texture));
+        return static_cast<int>(scene_.textures.size()) - 1;
+    }
+
+    Document& document_;
+    Scene& scene_;
+    std::map<std::size_t, int> images_;
+};
+
+}  // namespace
+
+vec2 TexturePlacement::apply(const glm::dvec2& coordinate) const {
+    const double c = std::cos(rotation), s = std::sin(rotation);
+    const glm::dvec2 p = coordinate * scale;
+    return vec2(glm::dvec2(c * p.x + s * p.y, c * p.y - s * p.x) + offset);
+}
+
+std::vector<TexturePlacement> read_materials(Document& document, Scene& scene) {
+    MaterialReader reader(document, scene);
+    std::vector<TexturePlacement> placements;
+    for (std::size_t i = 0; i < document.count("materials"); ++i)
+        placements.push_back(reader.read(document.object("materials", i)));
+    return placements;
+}
+
+}  // namespace octavo::gltf

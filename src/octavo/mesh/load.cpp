@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/mesh/load.h"
+
+#include <algorithm>
+#include <new>
+#include <string>
+
+#include "octavo/mesh/formats.h"
+
+namespace octavo {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lowercase(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+/// ".ply" for "scan.PLY" and "scan.ply.gz".
+std::string format_extension(const fs::path& file) {
+    const std::string extension = lowercase(file.extension().string());
+    return extension == ".gz" ? lowercase(file.stem().extension().string()) : extension;
+}
+
+Scene read(const fs::path& file) {
+    const std::string extension = format_extension(file);
+    FileBytes bytes = read_file(file);
+    if (is_gzip(bytes.view())) bytes = inflate_file(bytes);
+
+    // Two formats say what they are, whatever the file is called.
+    const std::string_view view = bytes.view();
+    if (view.starts_with("glTF") || extension == ".gltf" || extension == ".glb")
+        return formats::read_gltf(bytes);
+    if (view.starts_with("ply\n") || view.starts_with("ply\r") || extension == ".ply")
+        return formats::read_ply(bytes);
+    if (extension == ".obj") return formats::read_obj(bytes);
+    if (extension == ".stl") return formats::read_stl(bytes);
+    if (formats::assimp_knows(file)) return formats::read_with_assimp(file);
+    throw Error(Errc::unsupported, file, "no reader knows this kind of file");
+}
+
+/// What every reader promises; a mistake in one must not become a crash in a later room.
+void check(const Scene& scene, const fs::path& file) {
+    if (scene.triangles.empty())
+        throw Error(Errc::bad_input, file,
+                    scene.positions.empty()
+                        ? "has no triangles"
+                        : "has no triangles, only points or lines: it must be meshed first");
+    const std::size_t count = scene.positions.size();
+    const auto in_range = [count](const uvec3& t) {
+        return t.x < count && t.y < count && t.z < count;
+    };
+    if (!std::all_of(scene.triangles.begin(), scene.triangles.end(), in_range))
+        throw Error(Errc::bad_input, file, "a triangle refers to a vertex that does not exist");
+}
+
+}  // namespace
+
+Scene load_scene(const fs::path& file) {
+    try {
+        Scene scene = read(file);
+        check(scene, file);
+        return scene;
+    } catch (const std::bad_alloc&) {
+        throw Error(Errc::limit, file, "does not fit into memory");
+    } catch (const std::length_error&) {
+        throw Error(Errc::limit, file, "does not fit into memory");
+    } catch (const fs::filesystem_error& error) {
+        throw Error(Errc::io, file, error.code().message());
+    }
+}
+
+}  // namespace octavo

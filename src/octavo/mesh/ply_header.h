@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "octavo/mesh/file_bytes.h"
+
+namespace octavo::ply {
+
+enum class Format { ascii, little_endian, big_endian };
+
+enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+[[nodiscard]] constexpr std::size_t size_of(Type type) {
+    constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<int>(type)];
+}
+
+struct Property {
+    std::string_view name;
+    Type type;
+    std::optional<Type> count_type;  // of a list: the type of its length
+};
+
+struct Element {
+    std::string_view name;
+    std::uint64_t count;
+    std::vector<Property> properties;
+    const char* where;  // its line in the header
+
+    /// The fewest bytes that one of these can take in a file.
+    [[nodiscard]] std::size_t min_bytes(Format format) const;
+};
+
+/// What a PLY file says about itself before its data. Views point into the file's bytes.
+struct Header {
+    Format format = Format::ascii;
+    std::vector<Element> elements;
+    const char* body = nullptr;  // the first byte after the header
+};
+
+/// @throws Error bad_input, with the byte
+[[nodiscard]] Header read_header(const FileBytes& bytes);
+
+}  // namespace octavo::ply

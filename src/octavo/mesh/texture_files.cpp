@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/mesh/texture_files.h"
+
+#include <algorithm>
+#include <string>
+
+#include "octavo/mesh/confined_path.h"
+
+namespace octavo {
+
+int add_texture_file(Scene& scene, const std::filesystem::path& folder,
+                     std::string_view reference) {
+    const auto leave_out = [&](const std::string& why) {
+        std::string warning = "texture '" + std::string(reference) + "' " + why + ": left out";
+        if (std::find(scene.warnings.begin(), scene.warnings.end(), warning) ==
+            scene.warnings.end())
+            scene.warnings.push_back(std::move(warning));
+        return Material::kNoTexture;
+    };
+    const auto file = confined_path(folder, reference);
+    if (!file) return leave_out("is outside the scene's folder");
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(*file, error)) return leave_out("is missing");
+
+    const auto known = std::find_if(scene.textures.begin(), scene.textures.end(),
+                                    [&](const Texture& texture) { return texture.file == *file; });
+    if (known != scene.textures.end()) return static_cast<int>(known - scene.textures.begin());
+    scene.textures.push_back({file->filename().string(), *file, {}});
+    return static_cast<int>(scene.textures.size()) - 1;
+}
+
+}  // namespace octavo

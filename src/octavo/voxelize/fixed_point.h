@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/core/grid.h"
+#include "octavo/core/vec.h"
+#include "octavo/mesh/scene.h"
+
+namespace octavo {
+
+/// A corner in fixed point. Padded to 16 bytes so that one load fetches it.
+struct alignas(16) FixedPoint {
+    std::int32_t x, y, z;
+    std::int32_t kind;  // see FixedMesh
+};
+
+/// A scene's triangles with every corner rounded once to an integer grid that is finer than the voxels.
+/// From here on all geometry is exact integer arithmetic, so no answer depends on how space is cut.
+///
+/// A unit is 2^-fraction_bits of a voxel. Coordinates are relative to `base`, a voxel, so that they stay
+/// small: 0 <= coordinate <= 2^25 + 1. The scene (the part of it within one grid width of the grid) is at
+/// least 2^24 units across in its longest direction, and a voxel 2^6 to 2^24 units; so a scene smaller
+/// than a voxel has fewer across.
+///
+/// Triangles that reach further than one grid width from the grid are first clipped, in double
+/// precision, to the cube of three grid widths around it; what is left of them is rounded like the rest.
+/// So a vertex outside that cube cannot overflow, and geometry that is inside is not changed by it.
+class FixedMesh {
+public:
+    FixedMesh(const Scene& scene, const Grid& grid);
+
+    /// Number of triangles to voxelize. Non-finite ones are among them; see `corners`.
+    [[nodiscard]] std::size_t size() const { return scene_triangles_.size() + clipped_.size(); }
+
+    /// The corners of a triangle; false where there is nothing to voxelize (non-finite, or replaced by
+    /// its clipped pieces).
+    [[nodiscard]] bool corners(std::size_t triangle, std::array<FixedPoint, 3>& out) const {
+        const std::size_t count = scene_triangles_.size();
+        if (triangle < count) {
+            const uvec3& t = scene_triangles_[triangle];
+            out = {points_[t.x], points_[t.y], points_[t.z]};
+            return (out[0].kind | out[1].kind | out[2].kind) == kInside;
+        }
+        out = clipped_[triangle - count];
+        return true;
+    }
+
+    [[nodiscard]] int fraction_bits() const { return fraction_bits_; }
+    [[nodiscard]] const ivec3& base() const { return base_; }
+
+    [[nodiscard]] std::uint64_t degenerate_triangles() const { return degenerate_; }
+    [[nodiscard]] std::uint64_t non_finite_triangles() const { return non_finite_; }
+
+private:
+    static constexpr std::int32_t kInside = 0;
+    static constexpr std::int32_t kFar = 1;
+    static constexpr std::int32_t kNonFinite = 2;
+
+    void choose_precision(const Scene& scene, const Grid& grid);
+    void round_points(const Scene& scene, const Grid& grid);
+    void count_and_clip(const Scene& scene, const Grid& grid);
+    [[nodiscard]] FixedPoint round(const dvec3& point_grid) const;
+
+    int fraction_bits_ = 0;
+    ivec3 base_{0};
+    std::span<const uvec3> scene_triangles_;
+    std::vector<FixedPoint> points_;
+    std::vector<std::array<FixedPoint, 3>> clipped_;
+    std::uint64_t degenerate_ = 0;
+    std::uint64_t non_finite_ = 0;
+};
+
+/// Twice the triangle's area is zero: its corners lie on a line or in a point.
+[[nodiscard]] bool is_degenerate(const std::array<FixedPoint, 3>& corners);
+
+}  // namespace octavo

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/voxelize/tile_rasterizer.h"
+
+#include <string_view>
+
+#include "octavo/core/error.h"
+#include "octavo/core/morton.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octavo/voxelize/tile_rasterizer.cpp"
+#include <hwy/foreach_target.h>
+// Must follow foreach_target.h.
+#include <hwy/highway.h>
+
+#include "octavo/voxelize/overlap-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo::HWY_NAMESPACE {
+
+/// An inclusive range of cells of one size, counted from the grid's corner.
+struct CellRange {
+    ivec3 first, last;
+
+    [[nodiscard]] bool empty() const {
+        return first.x > last.x || first.y > last.y || first.z > last.z;
+    }
+    [[nodiscard]] CellRange coarser(int bits) const { return {first >> bits, last >> bits}; }
+    [[nodiscard]] int longest_side() const {
+        const ivec3 size = last - first;
+        return std::max({size.x, size.y, size.z}) + 1;
+    }
+    /// The cells of this range in the window of 4x4x4 cells that starts where it starts.
+    [[nodiscard]] std::uint64_t in_window() const {
+        const ivec3 size = glm::min(last - first, 3);
+        return cells_from_to(0, 0, size.x) & cells_from_to(1, 0, size.y) &
+               cells_from_to(2, 0, size.z);
+    }
+};
+
+/// Where voxels, and cells of 2^bits voxels, lie among the mesh's fixed-point units.
+struct Space {
+    ivec3 base;
+    int voxel_shift;
+
+    explicit Space(const FixedMesh& mesh) : base(mesh.base()), voxel_shift(mesh.fraction_bits()) {}
+
+    [[nodiscard]] ivec3 corner(const ivec3& cell, int bits) const {
+        return ((cell << bits) - base) << voxel_shift;
+    }
+
+    /// The voxels whose closed cubes meet the triangle's bounds.
+    [[nodiscard]] CellRange voxels(const std::array<FixedPoint, 3>& c) const {
+        const ivec3 a(c[0].x, c[0].y, c[0].z), b(c[1].x, c[1].y, c[1].z), d(c[2].x, c[2].y, c[2].z);
+        return {((glm::min(a, glm::min(b, d)) - 1) >> voxel_shift) + base,
+                (glm::max(a, glm::max(b, d)) >> voxel_shift) + base};
+    }
+};
+
+CellRange intersection(const CellRange& a, const CellRange& b) {
+    return {glm::max(a.first, b.first), glm::min(a.last, b.last)};
+}
+
+constexpr auto kCellOfCode = [] {
+    std::array<ivec3, 64> table{};
+    for (std::uint32_t code = 0; code < 64; ++code) table[code] = ivec3(morton_decode(code));
+    return table;
+}();
+
+/// Calls visit(position in the window) for each cell of a mask, in Morton order.
+template <class Visit>
+HWY_INLINE void for_each_cell(std::uint64_t mask, const Visit& visit) {
+    for (; mask != 0; mask &= mask - 1)
+        visit(kCellOfCode[static_cast<unsigned>(std::countr_zero(mask))]);
+}
+
+/// Calls visit(cell) for the cells of 2^target_bits voxels that the triangle meets, out of the wanted
+/// ones of a window of 4x4x4 cells of 2^bits voxels. bits - target_bits is even and not negative.
+/// The recursion is as deep as half that.
+template <class Visit>
+void descend(const Space& space, const TriangleCells& triangle, const ivec3& first, int bits,
+             int target_bits, std::uint64_t wanted, const Visit& visit) {
+    const std::uint64_t met =
+        triangle.cells<false>(space.corner(first, bits), space.voxel_shift + bits).cells & wanted;
+    for_each_cell(met, [&](const ivec3& position) {
+        const ivec3 cell = first + position;
+        if (bits == target_bits) {
+            visit(cell);
+        } else {
+            descend(space, triangle, cell << 2, bits - 2, target_bits, ~std::uint64_t{0}, visit);
+        }
+    });
+}
+
+/// Makes the range 4-fold coarser until one window holds it; returns log2 of its cells in voxels.
+HWY_INLINE int fit_window(CellRange& range, int bits) {
+    while (range.longest_side() > 4) {
+        range = range.coarser(2);
+        bits += 2;
+    }
+    return bits;
+}
+
+/// Marks triangles in one tile.
+class Rasterizer {
+public:
+    Rasterizer(const FixedMesh& mesh, const ivec3& tile_corner, int tile_depth, VoxelRule rule,
+               TileBitmap& bitmap)
+        : space_(mesh),
+          tile_{tile_corner, tile_corner + ((1 << tile_depth) - 1)},
+          rule_(rule),
+          bitmap_(bitmap) {}
+
+    void add(const std::array<FixedPoint, 3>& corners) {
+        const CellRange all = space_.voxels(corners);
+        const CellRange voxels = intersection(all, tile_);
+        if (voxels.empty()) return;
+        // Bounds that meet one voxel lie inside it. (The thin rule may still leave that voxel out.)
+        if (all.first == all.last && rule_ == VoxelRule::conservative) return set_voxel(all.first);
+
+        const TriangleCells triangle(corners, space_.voxel_shift, rule_);
+        CellRange range = voxels.coarser(2);
+        if (range.first == range.last) return add_block(triangle, range.first);
+        if (voxels.longest_side() <= 4) return add_small(triangle, voxels);
+
+        const int bits = fit_window(range, 2);
+        if (bits == 2) return add_blocks(triangle, range.first, range.in_window());
+        descend(space_, triangle, range.first, bits, 4, range.in_window(), [&](const ivec3& cell) {
+            add_blocks(triangle, cell << 2, ~std::uint64_t{0});
+        });
+    }
+
+private:
+    void set_voxel(const ivec3& voxel) {
+        const auto code = static_cast<std::uint32_t>(morton_encode(uvec3(voxel - tile_.first)));
+        bitmap_.set(code >> 6, std::uint64_t{1} << (code & 63));
+    }
+
+    void set_block(const ivec3& block, std::uint64_t voxels) {
+        if (voxels == 0) return;
+        const uvec3 in_tile(block - (tile_.first >> 2));
+        bitmap_.set(static_cast<std::uint32_t>(morton_encode(in_tile)), voxels);
+    }
+
+    void add_block(const TriangleCells& triangle, const ivec3& block) {
+        set_block(block, triangle.voxels(space_.corner(block, 2)));
+    }
+
+    // Up to 4x4x4 voxels that straddle blocks: one test, then bit by bit.
+    void add_small(const TriangleCells& triangle, const CellRange& voxels) {
+        const std::uint64_t met = triangle.voxels(space_.corner(voxels.first, 0));
+        for_each_cell(met & voxels.in_window(),
+                      [&](const ivec3& position) { set_voxel(voxels.first + position); });
+    }
+
+    // The wanted ones of 4x4x4 blocks.
+    void add_blocks(const TriangleCells& triangle, const ivec3& first, std::uint64_t wanted) {
+        const TriangleCells::Overlap met =
+            triangle.cells<true>(space_.corner(first, 2), space_.voxel_shift + 2);
+        for_each_cell(met.inside & wanted, [&](const ivec3& position) {
+            const ivec3 block = first + position;
+            set_block(block, triangle.voxels_of_plane(space_.corner(block, 2)));
+        });
+        for_each_cell(met.cells & ~met.inside & wanted,
+                      [&](const ivec3& position) { add_block(triangle, first + position); });
+    }
+
+    Space space_;
+    CellRange tile_;
+    VoxelRule rule_;
+    TileBitmap& bitmap_;
+};
+
+void RasterizeTile(const FixedMesh& mesh, std::span<const TileTriangle> triangles, const uvec3& tile,
+                   int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
+    Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
+    std::array<FixedPoint, 3> corners;
+    for (const TileTriangle& t : triangles)
+        if (mesh.corners(t.triangle, corners)) rasterizer.add(corners);
+}
+
+void FindTiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, int grid_depth,
+               int tile_depth, std::vector<TileTriangle>& out) {
+    const Space space(mesh);
+    const CellRange grid{ivec3(0), ivec3((1 << grid_depth) - 1)};
+    std::array<FixedPoint, 3> corners;
+    for (std::uint32_t t = begin; t < end; ++t) {
+        if (!mesh.corners(t, corners)) continue;
+        const CellRange voxels = intersection(space.voxels(corners), grid);
+        if (voxels.empty()) continue;
+
+        const auto emit = [&](const ivec3& tile) {
+            out.push_back({static_cast<std::uint32_t>(morton_encode(uvec3(tile))), t});
+        };
+        CellRange range = voxels.coarser(tile_depth);
+        if (range.first == range.last) {
+            emit(range.first);
+            continue;
+        }
+        const TriangleCells triangle(corners, space.voxel_shift, VoxelRule::conservative);
+        const int bits = fit_window(range, tile_depth);
+        descend(space, triangle, range.first, bits, tile_depth, range.in_window(), emit);
+    }
+}
+
+}  // namespace octavo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace octavo {
+
+HWY_EXPORT(RasterizeTile);
+HWY_EXPORT(FindTiles);
+
+void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, int grid_depth,
+                int tile_depth, std::vector<TileTriangle>& out) {
+    HWY_DYNAMIC_DISPATCH(FindTiles)(mesh, begin, end, grid_depth, tile_depth, out);
+}
+
+void rasterize_tile(const FixedMesh& mesh, std::span<const TileTriangle> triangles,
+                    const uvec3& tile, int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
+    HWY_DYNAMIC_DISPATCH(RasterizeTile)(mesh, triangles, tile, tile_depth, rule, bitmap);
+}
+
+std::vector<const char*> simd_targets() {
+    std::vector<const char*> names;
+    for (const auto target : hwy::SupportedAndGeneratedTargets())
+        names.push_back(hwy::TargetName(target));
+    return names;
+}
+
+void force_simd_target(const char* name) {
+    hwy::SetSupportedTargetsForTest(0);  // back to what the machine has
+    if (name == nullptr) return;
+    for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+        if (std::string_view(hwy::TargetName(target)) != name) continue;
+        hwy::SetSupportedTargetsForTest(target);
+        return;
+    }
+    throw Error(Errc::bad_argument, std::string("this machine has no SIMD target ") + name);
+}
+
+}  // namespace octavo
+#endif

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/voxelize/triangle_source.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <limits>
+#include <string>
+
+#include "octavo/core/error.h"
+#include "octavo/core/morton.h"
+
+namespace octavo {
+namespace {
+
+constexpr int kMaxTileDepth = 10;  // a tile's bitmap is then 128 MiB for each thread
+constexpr int kMaxTilesDepth = 10;  // so that a tile's Morton code fits 32 bits
+
+int checked_tile_depth(int tile_depth, int grid_depth) {
+    if (tile_depth < 2 || tile_depth > grid_depth || tile_depth > kMaxTileDepth ||
+        grid_depth - tile_depth > kMaxTilesDepth)
+        throw Error(Errc::bad_argument,
+                    "a tile of " + std::to_string(1 << tile_depth) + " voxels does not suit a grid of " +
+                        std::to_string(1 << grid_depth) +
+                        ": a tile has 4 to 1024 voxels a side and a grid at most 1024 tiles");
+    return tile_depth;
+}
+
+}  // namespace
+
+TriangleSource::TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
+    : mesh_(scene, grid),
+      rule_(rule),
+      tile_depth_(checked_tile_depth(tile_depth, grid.depth)),
+      bitmaps_([tile_depth] { return TileBitmap(tile_depth); }) {
+    if (mesh_.size() > std::numeric_limits<std::uint32_t>::max())
+        throw Error(Errc::limit, "a scene can have at most 2^32 - 1 triangles");
+    sort_into_tiles(grid.depth);
+}
+
+void TriangleSource::sort_into_tiles(int grid_depth) {
+    constexpr std::uint32_t kGrain = 1 << 13;
+    tbb::enumerable_thread_specific<std::vector<TileTriangle>> found;
+    const auto count = static_cast<std::uint32_t>(mesh_.size());
+    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, kGrain), [&](const auto& r) {
+        find_tiles(mesh_, r.begin(), r.end(), grid_depth, tile_depth_, found.local());
+    });
+
+    std::size_t total = 0;
+    for (const auto& part : found) total += part.size();
+    pairs_.reserve(total);
+    for (auto& part : found) {
+        pairs_.insert(pairs_.end(), part.begin(), part.end());
+        part = {};
+    }
+    tbb::parallel_sort(pairs_.begin(), pairs_.end());
+
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+        if (i > 0 && pairs_[i].tile == pairs_[i - 1].tile) continue;
+        tiles_.push_back(pairs_[i].tile);
+        tile_begins_.push_back(i);
+    }
+    tile_begins_.push_back(pairs_.size());
+}
+
+void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
+    TileBitmap& bitmap = bitmaps_.local();
+    const std::span<const TileTriangle> triangles(pairs_.data() + tile_begins_[index],
+                                                  pairs_.data() + tile_begins_[index + 1]);
+    rasterize_tile(mesh_, triangles, morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
+    bitmap.take(leaves);
+}
+
+}  // namespace octavo

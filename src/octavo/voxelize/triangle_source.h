@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "octavo/core/grid.h"
+#include "octavo/voxelize/fixed_point.h"
+#include "octavo/voxelize/rule.h"
+#include "octavo/voxelize/tile_bitmap.h"
+#include "octavo/voxelize/tile_rasterizer.h"
+#include "octavo/voxelize/voxel_source.h"
+
+namespace octavo {
+
+/// A scene's triangles as voxels. Each triangle is sorted once into the tiles that it meets.
+///
+/// Memory: 16 bytes for each position of the scene, 8 for each pair of a triangle and a tile that it
+/// meets, and a bit for each voxel of a tile for each thread.
+class TriangleSource final : public VoxelSource {
+public:
+    /// @param scene       outlives this
+    /// @param tile_depth  log2 of a tile's side: 2 to grid.depth, at least grid.depth - 10, at most 10
+    /// @throws Error      bad_argument where tile_depth is out of range; limit where the scene has
+    ///                    2^32 triangles or more
+    TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth);
+
+    [[nodiscard]] int tile_depth() const override { return tile_depth_; }
+    [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override { return tiles_; }
+    void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
+
+    [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
+
+private:
+    void sort_into_tiles(int grid_depth);
+
+    FixedMesh mesh_;
+    VoxelRule rule_;
+    int tile_depth_;
+    std::vector<TileTriangle> pairs_;         // sorted
+    std::vector<std::uint64_t> tiles_;
+    std::vector<std::size_t> tile_begins_;    // into pairs_; one more than there are tiles
+    mutable tbb::enumerable_thread_specific<TileBitmap> bitmaps_;
+};
+
+}  // namespace octavo
