@@ -206,24 +206,30 @@ OCTAVO_FN bool trace_any(DagView dag, GridRay ray, Stop stop) {
     return trace_closest(dag, ray, stop).face != kFaceNone;
 }
 
+// The nearest direction that does not go into the cell behind this face. Zero counts as upwards, so
+// on a low face it takes a negative number to stay outside.
+OCTAVO_FN vec3 bend_outwards(vec3 dir, int face) {
+    if (face < kFaceInside) {
+        int axis = face / 2;
+        dir[axis] = (face & 1) == 1 ? max(dir[axis], 1e-20f) : min(dir[axis], -1e-20f);
+    }
+    return dir;
+}
+
 // A ray from the face of a hit. On the face's axis its origin is exact, so it needs no offset: it
 // cannot meet the cell that it leaves. A direction into the cell is bent to run along the face.
 OCTAVO_FN GridRay leave_hit(GridRay ray, GridHit hit, vec3 dir) {
-    GridRay next = ray;
-    vec3 corner = vec3(ivec3(hit.path << uint(hit.height)) - ray.cell);
-    vec3 inside = exact_madd(hit.t, ray.dir, ray.frac) - corner;
-    inside = clamp(inside, vec3(0.0f), vec3(float(1 << hit.height)));
-    if (hit.face < kFaceInside) {
-        int axis = hit.face / 2;
-        bool high = (hit.face & 1) == 1;
-        inside[axis] = high ? float(1 << hit.height) : 0.0f;
-        dir[axis] = high ? max(dir[axis], 1e-20f) : min(dir[axis], -1e-20f);
-    }
-    vec3 whole = floor(inside);
-    next.cell = ivec3(hit.path << uint(hit.height)) + ivec3(whole);
-    next.frac = inside - whole;
-    next.dir = dir;
+    float width = float(1 << hit.height);
+    ivec3 corner = ivec3(hit.path << uint(hit.height));
+    vec3 inside = exact_madd(hit.t, ray.dir, ray.frac) - vec3(corner - ray.cell);
+    inside = clamp(inside, vec3(0.0f), vec3(width));
+    if (hit.face < kFaceInside) inside[hit.face / 2] = float(hit.face & 1) * width;
+    GridRay next;
+    next.cell = corner + ivec3(floor(inside));
+    next.frac = inside - floor(inside);
+    next.dir = bend_outwards(dir, hit.face);
     next.t_min = 0.0f;
+    next.t_max = ray.t_max;
     return next;
 }
 
