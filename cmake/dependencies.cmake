@@ -15,6 +15,7 @@ find_package(OpenEXR REQUIRED)   # pictures in linear floats
 
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments
+    find_package(fmt REQUIRED)    # tables: g++ 12 has no std::format
 endif()
 if(OCTAVO_BUILD_TESTS)
     find_package(GTest REQUIRED)

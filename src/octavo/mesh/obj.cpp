@@ -194,21 +194,24 @@ private:
     }
 
     void resolve_materials() {
-        std::vector<std::uint32_t> index_of(used_names_.size(), Scene::kNoMaterial);
-        bool any = false;
-        for (const auto& [name, use] : used_names_) {
-            const auto found = materials_.find(name);
-            if (found == materials_.end()) {
-                scene_.warnings.push_back("the material '" + name + "' is not defined");
-                continue;
-            }
-            index_of[use] = found->second;
-            any = true;
-        }
-        if (!any) {
+        if (used_names_.empty()) {
             scene_.triangle_materials = {};
             return;
         }
+        // A name alone still tells surfaces apart.
+        std::size_t undefined = 0;
+        std::vector<std::uint32_t> index_of(used_names_.size());
+        for (const auto& [name, use] : used_names_) {
+            const auto next = static_cast<std::uint32_t>(scene_.materials.size());
+            const auto [found, is_new] = materials_.emplace(name, next);
+            index_of[use] = found->second;
+            if (!is_new) continue;
+            scene_.materials.emplace_back().name = name;
+            ++undefined;
+        }
+        if (undefined != 0)
+            scene_.warnings.push_back(std::to_string(undefined) +
+                                      " materials have a name but no definition");
         for (std::uint32_t& material : scene_.triangle_materials)
             if (material != Scene::kNoMaterial) material = index_of[material];
     }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -51,7 +53,8 @@ struct TextCursor {
     }
 
     /// Reads a number, rounded once. Too large becomes infinity, too small zero, as for strtod;
-    /// "nan" and "inf" are numbers. Stays where it is and returns false where there is none.
+    /// "nan" and "inf" are numbers, and so are the "1.#IND" and "-1.#INF" of old Microsoft
+    /// libraries. Stays where it is and returns false where there is none.
     bool number(double& value) {
         const char* first = at != end && *at == '+' ? at + 1 : at;
         const auto [last, error] = std::from_chars(first, end, value);
@@ -59,6 +62,7 @@ struct TextCursor {
         if (error == std::errc::result_out_of_range)
             value = std::strtod(std::string(first, last).c_str(), nullptr);
         at = last;
+        if (at != end && *at == '#') microsoft_special(value);
         return true;
     }
 
@@ -68,6 +72,15 @@ struct TextCursor {
         if (error != std::errc()) return false;
         at = last;
         return true;
+    }
+
+private:
+    void microsoft_special(double& value) {
+        const char* first = ++at;
+        while (at != end && !is_space(*at)) ++at;
+        const bool infinite = std::string_view(first, at - first).starts_with("INF");
+        using Limits = std::numeric_limits<double>;
+        value = std::copysign(infinite ? Limits::infinity() : Limits::quiet_NaN(), value);
     }
 };
 

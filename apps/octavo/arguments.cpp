@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "arguments.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "octavo/core/grid.h"
+
+namespace octavo::cli {
+namespace {
+
+[[noreturn]] void refuse(std::string_view text, const std::string& expected) {
+    throw Error(Errc::bad_argument, "'" + std::string(text) + "' is not " + expected);
+}
+
+/// Reads a number at the start of `text` and removes it. @return whether there was one
+template <typename Number>
+bool take_number(std::string_view& text, Number& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc()) return false;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return true;
+}
+
+template <std::size_t N>
+std::array<double, N> parse_numbers(std::string_view text, const std::string& expected) {
+    std::array<double, N> numbers{};
+    std::string_view rest = text;
+    for (std::size_t i = 0; i < N; ++i) {
+        if (i > 0) {
+            if (rest.empty() || rest.front() != ',') refuse(text, expected);
+            rest.remove_prefix(1);
+        }
+        if (!take_number(rest, numbers[i]) || !std::isfinite(numbers[i])) refuse(text, expected);
+    }
+    if (!rest.empty()) refuse(text, expected);
+    return numbers;
+}
+
+}  // namespace
+
+int parse_resolution(const std::string& text) {
+    const std::string expected = "a power of two from 4 to 128K, like 4096 or 4K";
+    std::string_view rest = text;
+    std::uint64_t number = 0;
+    if (!take_number(rest, number) || number > 1u << kMaxDepth) refuse(text, expected);
+    if (rest == "K" || rest == "k")
+        number *= 1024;
+    else if (!rest.empty())
+        refuse(text, expected);
+    return depth_of_resolution(number);
+}
+
+std::uint64_t parse_bytes(const std::string& text) {
+    const std::string expected = "a size in bytes, like 512M or 8G";
+    std::string_view rest = text;
+    double number = 0.0;
+    if (!take_number(rest, number) || !(number >= 0.0)) refuse(text, expected);
+    constexpr std::string_view kSuffixes = "KMGT";
+    if (!rest.empty()) {
+        const std::size_t power = kSuffixes.find(static_cast<char>(std::toupper(rest.front())));
+        if (power == std::string_view::npos) refuse(text, expected);
+        number *= std::exp2(10.0 * static_cast<double>(power + 1));
+        rest.remove_prefix(1);
+        if (!rest.empty() && rest != "B" && rest != "iB") refuse(text, expected);
+    }
+    if (number >= 0x1p63) refuse(text, expected);
+    return static_cast<std::uint64_t>(number);
+}
+
+dvec3 parse_vec3(const std::string& text) {
+    const auto n = parse_numbers<3>(text, "three numbers, like 1,-2,3.5");
+    return {n[0], n[1], n[2]};
+}
+
+RayArgument parse_ray(const std::string& text) {
+    const auto n = parse_numbers<6>(text, "six numbers: origin and direction");
+    const RayArgument ray{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+    if (ray.direction == dvec3(0.0)) refuse(text, "a ray: its direction is zero");
+    return ray;
+}
+
+std::array<double, 2> parse_angles(const std::string& text) {
+    auto angles = parse_numbers<2>(text, "two angles in degrees, like 135,40");
+    for (double& angle : angles) angle *= std::numbers::pi / 180.0;
+    return angles;
+}
+
+uvec2 parse_size(const std::string& text) {
+    constexpr std::uint32_t kMax = 65536;
+    const std::string expected = "a size in pixels, like 1280x720";
+    std::string_view rest = text;
+    uvec2 size{0};
+    if (!take_number(rest, size.x) || rest.empty() || rest.front() != 'x') refuse(text, expected);
+    rest.remove_prefix(1);
+    if (!take_number(rest, size.y) || !rest.empty()) refuse(text, expected);
+    if (size.x < 1 || size.y < 1 || size.x > kMax || size.y > kMax) refuse(text, expected);
+    return size;
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "octavo/core/error.h"
+#include "octavo/core/vec.h"
+
+/// How the command line writes numbers. All throw Error bad_argument, saying what was expected.
+namespace octavo::cli {
+
+/// "4096", "4K" or "4k" -> 12. @return the depth, 2 to 17
+[[nodiscard]] int parse_resolution(const std::string& text);
+
+/// "1500000", "512M", "8G", "1.5G": suffixes K, M, G, T of 1024, with an optional "B" or "iB".
+[[nodiscard]] std::uint64_t parse_bytes(const std::string& text);
+
+/// "1,-2,3.5"
+[[nodiscard]] dvec3 parse_vec3(const std::string& text);
+
+struct RayArgument {
+    dvec3 origin;
+    dvec3 direction;  // not zero
+};
+/// "ox,oy,oz,dx,dy,dz"
+[[nodiscard]] RayArgument parse_ray(const std::string& text);
+
+/// "azimuth,elevation" in degrees. @return radians
+[[nodiscard]] std::array<double, 2> parse_angles(const std::string& text);
+
+/// "1280x720", each 1 to 65536
+[[nodiscard]] uvec2 parse_size(const std::string& text);
+
+/// A validator for numbers in a range, which does not show in the help.
+template <typename Number>
+[[nodiscard]] CLI::Validator within(Number low, Number high) {
+    return CLI::Range(low, high).description("");
+}
+
+/// Adds an option whose text goes through `parse`; errors then name the option.
+template <typename Value, typename Parse>
+CLI::Option* add_parsed(CLI::App& command, const std::string& name, Value& value, Parse parse,
+                        const std::string& description, const std::string& type) {
+    const auto assign = [&value, parse, name](const std::string& text) {
+        try {
+            value = parse(text);
+        } catch (const Error& error) {
+            throw Error(Errc::bad_argument, name + ": " + error.what());
+        }
+    };
+    return command.add_option_function<std::string>(name, assign, description)->type_name(type);
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "arguments.h"
+#include "commands.h"
+#include "help.h"
+#include "interrupt.h"
+#include "octavo/construct/build.h"
+#include "octavo/core/memory.h"
+#include "octavo/core/parallel.h"
+#include "octavo/io/octv.h"
+#include "octavo/mesh/load.h"
+#include "octavo/mesh/samples.h"
+#include "output.h"
+#include "progress_meter.h"
+#include "summary.h"
+
+namespace octavo::cli {
+namespace {
+
+constexpr const char* kExamples =
+    "  octavo build scene.glb -o scene.octv --resolution 4K\n"
+    "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
+    "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
+
+constexpr std::string_view kSamplePrefix = "sample:";
+
+struct BuildArguments {
+    std::string input;
+    std::filesystem::path output;
+    BuildOptions options;
+    std::optional<dvec3> origin;
+    std::optional<double> voxel_size;
+    bool compress = false;
+    bool force = false;
+    bool quiet = false;
+    bool json = false;
+};
+
+/// Seconds since the last call, or since it was made.
+class Stopwatch {
+public:
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const double seconds = std::chrono::duration<double>(now - last_).count();
+        last_ = now;
+        return seconds;
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+struct BuildTimes {
+    double import_seconds = 0.0;
+    double construct_seconds = 0.0;
+    double write_seconds = 0.0;
+
+    [[nodiscard]] double total() const {
+        return import_seconds + construct_seconds + write_seconds;
+    }
+};
+
+VoxelRule parse_rule(const std::string& text) {
+    const auto rule = voxel_rule_from_name(text);
+    if (!rule) throw Error(Errc::bad_argument, "'" + text + "' is not conservative or thin");
+    return *rule;
+}
+
+Scene read_input(const std::string& input) {
+    if (input.starts_with(kSamplePrefix)) return make_sample(input.substr(kSamplePrefix.size()));
+    return load_scene(input);
+}
+
+/// What the file remembers of its source: no folder, as that would differ between machines.
+std::string source_name(const std::string& input) {
+    if (input.starts_with(kSamplePrefix)) return input;
+    return std::filesystem::path(input).filename().string();
+}
+
+std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
+                        const BuildTimes& times) {
+    if (arguments.json) {
+        const int threads =
+            arguments.options.threads > 0 ? arguments.options.threads : available_threads();
+        Json json = summary_json(summary);
+        json["build"] = {{"import_seconds", times.import_seconds},
+                         {"construct_seconds", times.construct_seconds},
+                         {"write_seconds", times.write_seconds},
+                         {"total_seconds", times.total()},
+                         {"threads", threads},
+                         {"peak_rss_bytes", peak_resident_bytes()}};
+        return json.dump(2) + "\n";
+    }
+    return fmt::format(
+        "{}\n  {:.2f} s: import {:.2f}, construct {:.2f}, write {:.2f}; at most {} MB\n",
+        summary_table(summary), times.total(), times.import_seconds, times.construct_seconds,
+        times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
+}
+
+void run_build(BuildArguments& arguments) {
+    check_output(arguments.output, arguments.force);
+    BuildOptions& options = arguments.options;
+    if (arguments.origin)
+        options.grid = Grid{.origin = *arguments.origin,
+                            .voxel_size = *arguments.voxel_size,
+                            .depth = options.depth};
+
+    ProgressMeter meter(arguments.quiet);
+    options.progress = meter.function();
+    BuildTimes times;
+    Stopwatch watch;
+
+    meter.begin_phase("import");
+    Model model;
+    {
+        const Scene scene = read_input(arguments.input);
+        times.import_seconds = watch.lap();
+        throw_if_interrupted();
+        meter.finish();
+        for (const std::string& warning : scene.warnings)
+            if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
+        model =
+            make_model(source_name(arguments.input), scene, options.rule, build(scene, options));
+        times.construct_seconds = watch.lap();
+    }
+    write_octv(arguments.output, model,
+               {.compress = arguments.compress, .progress = meter.function()});
+    times.write_seconds = watch.lap();
+
+    const OctvSummary summary{.metadata = model.metadata,
+                              .file_bytes = std::filesystem::file_size(arguments.output),
+                              .compressed = arguments.compress};
+    meter.finish();
+    if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times));
+}
+
+}  // namespace
+
+void add_build_command(CLI::App& program) {
+    CLI::App& command = *program.add_subcommand("build", "Turn a triangle scene into a voxel DAG");
+    const auto arguments = std::make_shared<BuildArguments>();
+    BuildOptions& options = arguments->options;
+    set_help(command, kExamples);
+    command
+        .add_option("IN", arguments->input,
+                    "A scene: glTF, GLB, OBJ, PLY, STL and more; or sample:NAME, see octavo sample")
+        ->required()
+        ->type_name("");
+    command.add_option("-o,--output", arguments->output, "The .octv file to write")
+        ->required()
+        ->type_name("FILE");
+    add_parsed(command, "-r,--resolution", options.depth, parse_resolution,
+               "Voxels along each side: a power of two from 4 to 128K", "N")
+        ->required();
+    add_parsed(command, "--rule", options.rule, parse_rule,
+               "Which voxels a triangle marks: conservative (the default) or thin", "RULE");
+    CLI::Option* origin = add_parsed(command, "--origin", arguments->origin, parse_vec3,
+                                     "World position of the grid's low corner", "X,Y,Z");
+    CLI::Option* voxel_size =
+        command.add_option("--voxel-size", arguments->voxel_size, "Side of a voxel in world units")
+            ->type_name("S")
+            ->check(CLI::Validator(CLI::PositiveNumber).description(""));
+    origin->needs(voxel_size);
+    voxel_size->needs(origin);
+    command.add_option("--threads", options.threads, "Threads to use; 0: all")
+        ->type_name("N")
+        ->check(within(0, 4096));
+    command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
+        ->type_name("N");
+    add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
+               "Memory that the program may take, like 8G", "SIZE");
+    command.add_flag("--compress", arguments->compress,
+                     "Compress the DAG: a smaller file that takes longer to open");
+    command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
+    command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    command.add_flag("--json", arguments->json, "Print the statistics as JSON");
+    command.callback([arguments] { run_build(*arguments); });
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "output.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+
+#include "octavo/core/error.h"
+
+namespace octavo::cli {
+
+void secure_standard_streams() {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+        if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
+        // The lowest free number is the closed stream's. Open for reading, a write to it fails.
+        const int opened = open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+        if (opened < 0) throw io_error("/dev/null", "open");
+    }
+}
+
+void print(std::string_view text) {
+    const std::size_t written = std::fwrite(text.data(), 1, text.size(), stdout);
+    if (written != text.size() || std::fflush(stdout) != 0)
+        throw io_error("standard output", "write");
+}
+
+void check_output(const std::filesystem::path& file, bool force) {
+    std::error_code ignored;
+    if (!force && std::filesystem::exists(file, ignored))
+        throw Error(Errc::io, file,
+                    "cannot write: it is already there, and --force would replace it");
+    std::filesystem::path folder = file.parent_path();
+    if (folder.empty()) folder = ".";
+    if (access(folder.c_str(), W_OK | X_OK) != 0) throw io_error(file, "write");
+}
+
+}  // namespace octavo::cli

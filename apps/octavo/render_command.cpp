@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "arguments.h"
+#include "commands.h"
+#include "help.h"
+#include "octavo/io/octv.h"
+#include "octavo/render/image.h"
+#include "octavo/render/render.h"
+#include "output.h"
+#include "progress_meter.h"
+
+namespace octavo::cli {
+namespace {
+
+constexpr const char* kExamples =
+    "  octavo render scene.octv -o scene.png\n"
+    "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
+    "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n";
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+constexpr double kDefaultFovDegrees = 45.0;
+
+struct RenderArguments {
+    std::filesystem::path file;
+    std::filesystem::path output;
+    RenderOptions options;
+    uvec2 size{1280, 720};
+    std::optional<dvec3> eye;
+    std::optional<dvec3> at;
+    std::optional<double> fov_degrees;
+    std::string camera_name;
+    std::optional<std::array<double, 2>> sun;
+    double exposure = 0.0;
+    bool flat_normals = false;
+    bool force = false;
+    bool quiet = false;
+};
+
+Shadows parse_shadows(const std::string& text) {
+    if (text == "none") return Shadows::none;
+    if (text == "hard") return Shadows::hard;
+    if (text == "soft") return Shadows::soft;
+    throw Error(Errc::bad_argument, "'" + text + "' is not none, hard or soft");
+}
+
+void check_extension(const std::filesystem::path& file) {
+    const std::string extension = file.extension().string();
+    if (extension != ".png" && extension != ".exr")
+        throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
+}
+
+Camera named_camera(const std::vector<Camera>& cameras, const std::string& wanted) {
+    const auto found = std::ranges::find(cameras, wanted, &Camera::name);
+    if (found != cameras.end()) return *found;
+    std::string names;
+    for (const Camera& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
+    throw Error(Errc::bad_argument,
+                "no camera '" + wanted + "'; the file has " + (names.empty() ? "none" : names));
+}
+
+/// The camera that the arguments describe. One without `--eye` frames the whole scene.
+Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
+    Camera camera;
+    if (!arguments.camera_name.empty()) {
+        camera = named_camera(model.metadata.cameras, arguments.camera_name);
+    } else {
+        const Box box = content_bounds(model.dag, model.grid());
+        const Box shown = box.empty() ? model.grid().bounds() : box;
+        const double fov = arguments.fov_degrees.value_or(kDefaultFovDegrees) * kRadiansPerDegree;
+        if (arguments.eye)
+            return look_at(*arguments.eye, arguments.at.value_or(shown.centre()),
+                           arguments.options.up, fov);
+        camera = default_camera(shown, arguments.options.up,
+                                static_cast<double>(arguments.size.x) / arguments.size.y);
+    }
+    if (arguments.fov_degrees) camera.vertical_fov = *arguments.fov_degrees * kRadiansPerDegree;
+    return camera;
+}
+
+void run_render(RenderArguments& arguments) {
+    check_extension(arguments.output);
+    check_output(arguments.output, arguments.force);
+    const Model model = read_octv(arguments.file);
+
+    RenderOptions& options = arguments.options;
+    options.width = static_cast<int>(arguments.size.x);
+    options.height = static_cast<int>(arguments.size.y);
+    options.smooth_normals = !arguments.flat_normals;
+    options.camera = chosen_camera(arguments, model);
+    if (arguments.sun) options.light = sun_at((*arguments.sun)[0], (*arguments.sun)[1], options.up);
+
+    ProgressMeter meter(arguments.quiet);
+    options.progress = meter.function();
+    write_image(arguments.output, render(model.dag, model.grid(), options), arguments.exposure);
+}
+
+void add_view_options(CLI::App& command, RenderArguments& arguments) {
+    CLI::Option* camera =
+        command.add_option("--camera", arguments.camera_name, "A camera of the scene, by its name")
+            ->type_name("NAME");
+    CLI::Option* eye = add_parsed(command, "--eye", arguments.eye, parse_vec3,
+                                  "Where the camera stands, world space", "X,Y,Z");
+    add_parsed(command, "--at", arguments.at, parse_vec3,
+               "What it looks at; otherwise the middle of the scene", "X,Y,Z")
+        ->needs(eye);
+    add_parsed(command, "--up", arguments.options.up, parse_vec3, "Which way is up; 0,1,0",
+               "X,Y,Z");
+    command.add_option("--fov", arguments.fov_degrees, "Vertical field of view")
+        ->type_name("DEGREES")
+        ->check(within(0.01, 179.0));
+    camera->excludes(eye);
+}
+
+void add_light_options(CLI::App& command, RenderArguments& arguments) {
+    add_parsed(command, "--sun", arguments.sun, parse_angles,
+               "Where the sun stands: degrees from +z towards +x, and above the horizon",
+               "AZIMUTH,ELEVATION");
+    add_parsed(command, "--shadows", arguments.options.shadows, parse_shadows,
+               "none, hard or soft (the default)", "KIND");
+    command
+        .add_option("--ao", arguments.options.ao_samples,
+                    "Ambient occlusion: rays for each pixel, 64; 0: none")
+        ->type_name("N")
+        ->check(within(0, 65536));
+    command
+        .add_option("--ao-radius", arguments.options.ao_radius,
+                    "How far it reaches, in world units; otherwise a tenth of the scene")
+        ->type_name("R")
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
+        ->type_name("STOPS")
+        ->check(within(-32.0, 32.0));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& program) {
+    CLI::App& command = *program.add_subcommand("render", "Ray-trace a picture of an .octv file");
+    const auto arguments = std::make_shared<RenderArguments>();
+    set_help(command, kExamples);
+    command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
+        ->required()
+        ->type_name("FILE");
+    add_parsed(command, "--size", arguments->size, parse_size, "Pixels; 1280x720", "WxH");
+    add_view_options(command, *arguments);
+    add_light_options(command, *arguments);
+    command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
+        ->type_name("N")
+        ->check(within(1, 65536));
+    command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
+    command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
+        ->type_name("N")
+        ->check(within(0, 4096));
+    command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
+    command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    command.callback([arguments] { run_render(*arguments); });
+}
+
+}  // namespace octavo::cli

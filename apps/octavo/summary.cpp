@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "summary.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+namespace octavo::cli {
+namespace {
+
+Json point_json(const dvec3& point) {
+    return {point.x, point.y, point.z};
+}
+
+std::string point_text(const dvec3& point) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", point.x, point.y, point.z);
+}
+
+/// Megabytes of 10^6 bytes, as [K13] counts them, with at least three digits.
+std::string megabytes(std::uint64_t bytes) {
+    const double mb = static_cast<double>(bytes) * 1e-6;
+    if (mb >= 1000.0) return grouped(static_cast<std::uint64_t>(mb + 0.5)) + " MB";
+    return fmt::format("{:.{}f} MB", mb, mb >= 100.0 ? 0 : mb >= 10.0 ? 1 : mb >= 1.0 ? 2 : 4);
+}
+
+std::string row(std::string_view label, const std::string& value) {
+    return fmt::format("  {:<12}{}\n", label, value);
+}
+
+std::string count_row(std::string_view label, std::uint64_t count, const std::string& remark = {}) {
+    return fmt::format("  {:<12}{:>19}{}\n", label, grouped(count), remark);
+}
+
+/// One structure and what it takes for these voxels.
+std::string size_row(std::string_view label, std::uint64_t bytes, const Statistics& statistics) {
+    const double bits = statistics.voxels == 0 ? 0.0
+                                               : 8.0 * static_cast<double>(bytes) /
+                                                     static_cast<double>(statistics.voxels);
+    const double times = statistics.dag_bytes == 0 ? 0.0
+                                                   : static_cast<double>(bytes) /
+                                                         static_cast<double>(statistics.dag_bytes);
+    return fmt::format("  {:<26}{:>14}{:>14.3f}{:>12.2f}\n", label, megabytes(bytes), bits, times);
+}
+
+}  // namespace
+
+std::string grouped(std::uint64_t number) {
+    const std::string digits = std::to_string(number);
+    std::string text;
+    for (std::size_t i = 0; i < digits.size(); ++i) {
+        if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+        text += digits[i];
+    }
+    return text;
+}
+
+std::string short_count(double number) {
+    constexpr std::array<std::string_view, 5> kUnits = {"", " k", " M", " G", " T"};
+    std::size_t unit = 0;
+    for (; number >= 1000.0 && unit + 1 < kUnits.size(); ++unit) number /= 1000.0;
+    const int decimals = unit == 0 || number >= 100.0 ? 0 : number >= 10.0 ? 1 : 2;
+    return fmt::format("{:.{}f}{}", number, decimals, kUnits[unit]);
+}
+
+Json summary_json(const OctvSummary& summary) {
+    const Metadata& metadata = summary.metadata;
+    const Statistics& statistics = metadata.statistics;
+    const Box bounds = metadata.grid.bounds();
+    Json levels = Json::array();
+    for (const LevelStatistics& level : statistics.levels)
+        levels.push_back({{"level", level.level},
+                          {"svo_nodes", level.svo_nodes},
+                          {"dag_nodes", level.dag_nodes},
+                          {"bytes", level.bytes}});
+    Json cameras = Json::array();
+    for (const Camera& camera : metadata.cameras) cameras.push_back(camera.name);
+    Json lights = Json::array();
+    for (const Light& light : metadata.lights) lights.push_back(light.name);
+
+    return {{"source", metadata.source},
+            {"resolution", metadata.grid.resolution()},
+            {"depth", metadata.grid.depth},
+            {"rule", name(metadata.rule)},
+            {"voxels", statistics.voxels},
+            {"svo_nodes", statistics.svo_nodes},
+            {"dag_nodes", statistics.dag_nodes},
+            {"dag_bytes", statistics.dag_bytes},
+            {"bits_per_voxel", statistics.bits_per_voxel()},
+            {"pointerless_svo_bytes", statistics.pointerless_svo_bytes()},
+            {"svo_32_byte_nodes_bytes", statistics.josh_svo_bytes(32)},
+            {"svo_48_byte_nodes_bytes", statistics.josh_svo_bytes(48)},
+            {"file_bytes", summary.file_bytes},
+            {"compressed", summary.compressed},
+            {"world_bounds", {{"low", point_json(bounds.low)}, {"high", point_json(bounds.high)}}},
+            {"voxel_size", metadata.grid.voxel_size},
+            {"triangles", metadata.triangles},
+            {"degenerate_triangles", metadata.degenerate_triangles},
+            {"non_finite_triangles", metadata.non_finite_triangles},
+            {"cameras", std::move(cameras)},
+            {"lights", std::move(lights)},
+            {"levels", std::move(levels)}};
+}
+
+std::string summary_table(const OctvSummary& summary) {
+    const Metadata& metadata = summary.metadata;
+    const Statistics& statistics = metadata.statistics;
+    const Box bounds = metadata.grid.bounds();
+
+    std::string text;
+    text += row("source", metadata.source);
+    text += row("grid",
+                fmt::format("{0} x {0} x {0}, depth {1}, {2} voxels", metadata.grid.resolution(),
+                            metadata.grid.depth, name(metadata.rule)));
+    text += row("world", point_text(bounds.low) + " to " + point_text(bounds.high));
+    text += row("voxel size", fmt::format("{:.6g}", metadata.grid.voxel_size));
+    text += "\n";
+    text += count_row(
+        "triangles", metadata.triangles,
+        metadata.degenerate_triangles + metadata.non_finite_triangles == 0
+            ? ""
+            : fmt::format("   {} degenerate, {} not finite", grouped(metadata.degenerate_triangles),
+                          grouped(metadata.non_finite_triangles)));
+    text += count_row("voxels", statistics.voxels);
+    text += count_row("SVO nodes", statistics.svo_nodes);
+    text += count_row("DAG nodes", statistics.dag_nodes);
+    text += "\n";
+    text += fmt::format("  {:<26}{:>14}{:>14}{:>12}\n", "", "size", "bits/voxel", "x DAG");
+    text += size_row("DAG", statistics.dag_bytes, statistics);
+    text += size_row("SVO, 1 byte/node", statistics.pointerless_svo_bytes(), statistics);
+    text += size_row("SVO, 32 bytes/node", statistics.josh_svo_bytes(32), statistics);
+    text += size_row("SVO, 48 bytes/node", statistics.josh_svo_bytes(48), statistics);
+    text += size_row(summary.compressed ? "this file, compressed" : "this file", summary.file_bytes,
+                     statistics);
+    return text;
+}
+
+std::string level_table(const Statistics& statistics) {
+    std::string text = fmt::format("  {:>5}{:>20}{:>16}{:>16}{:>12}\n", "level", "SVO nodes",
+                                   "DAG nodes", "DAG bytes", "SVO/DAG");
+    for (const LevelStatistics& level : statistics.levels) {
+        const std::string ratio =
+            level.dag_nodes == 0 ? "-"
+                                 : fmt::format("{:.1f}", static_cast<double>(level.svo_nodes) /
+                                                             static_cast<double>(level.dag_nodes));
+        text +=
+            fmt::format("  {:>5}{:>20}{:>16}{:>16}{:>12}\n", level.level, grouped(level.svo_nodes),
+                        grouped(level.dag_nodes), grouped(level.bytes), ratio);
+    }
+    text += fmt::format("  {:>5}{:>20}{:>16}{:>16}\n", "all", grouped(statistics.svo_nodes),
+                        grouped(statistics.dag_nodes), grouped(statistics.dag_bytes));
+    return text;
+}
+
+}  // namespace octavo::cli

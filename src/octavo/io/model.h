@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "octavo/construct/build.h"
+#include "octavo/dag/dag.h"
+#include "octavo/io/metadata.h"
+
+namespace octavo {
+
+/// A DAG with its place in the world and its origin: what an .octv file holds.
+struct Model {
+    Dag dag;
+    Metadata metadata;
+
+    [[nodiscard]] const Grid& grid() const { return metadata.grid; }
+};
+
+/// Joins what a build gave with what the scene says. Cameras and lights that are not finite are
+/// left out: they cannot be used, and JSON cannot hold them.
+///
+/// @param source  the name to remember: of the file, without its folder
+/// Cost           one pass over the DAG, for its statistics
+[[nodiscard]] Model make_model(std::string source, const Scene& scene, VoxelRule rule,
+                               BuildResult built);
+
+}  // namespace octavo

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "octavo/core/progress.h"
+#include "octavo/io/model.h"
+
+namespace octavo {
+
+struct OctvWriteOptions {
+    bool compress = false;           // the DAG as zstd: a smaller file, which cannot be mapped
+    ProgressFunction progress = {};  // phase "write", in bytes of the DAG
+};
+
+/// Writes an .octv file; docs/file-format.md has the bytes. The file appears whole or not at all,
+/// and replaces what was there. Equal models give equal bytes.
+///
+/// @throws Error  io, the old file is then untouched; cancelled; bad_argument where the metadata
+/// does
+///                not describe the DAG
+/// Cost           the time to write; a few MiB of memory beside the model
+void write_octv(const std::filesystem::path& path, const Model& model,
+                const OctvWriteOptions& options = {});
+
+struct OctvReadOptions {
+    /// Skips the checksum and the node checks of the DAG, so that opening takes no time whatever
+    /// its size. Only for files that you wrote: a damaged one can then crash the tracing.
+    bool trusted = false;
+
+    /// Maps an uncompressed DAG instead of reading it, and pages come in as they are touched. Turn
+    /// it off for files that somebody else may cut off or change while they are in use.
+    bool map = true;
+
+    /// A compressed DAG that claims more than this is refused before any memory is taken.
+    std::uint64_t max_dag_bytes = std::uint64_t{16} << 30;
+};
+
+/// Reads an .octv file. Any bytes give a model that is safe to trace, or an Error with the offset
+/// and the reason; never a crash, nor more memory than the DAG's size.
+///
+/// @throws Error  io; bad_input; unsupported where the file needs a newer program; limit
+/// Cost           one pass over the words, about a second for each GiB; nothing where trusted
+[[nodiscard]] Model read_octv(const std::filesystem::path& path,
+                              const OctvReadOptions& options = {});
+
+/// What can be known of a file without its DAG.
+struct OctvSummary {
+    Metadata metadata;
+    std::uint64_t file_bytes = 0;
+    bool compressed = false;
+};
+
+/// Reads and checks header and metadata only: takes no time, whatever the size of the DAG.
+/// @throws Error  as read_octv
+[[nodiscard]] OctvSummary read_octv_summary(const std::filesystem::path& path);
+
+}  // namespace octavo

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "octavo/mesh/scene.h"
+
+namespace octavo {
+
+/// Writes a scene; the file's extension chooses the format:
+///
+/// - `.glb`  everything. Positions are floats around a translated node, so a scene far from the
+/// origin
+///           keeps its detail; pictures go into the file. At most 4 GiB, as the format has it.
+/// - `.obj`  triangles, texture coordinates, vertex colours without alpha, exact coordinates;
+/// beside
+///           it `.mtl` with the materials and the textures that are files in the same folder or
+///           below.
+/// - `.ply`  binary: triangles and vertex colours; coordinates are floats where that loses nothing,
+///           else doubles. No materials.
+///
+/// The file appears whole or not at all: it is written under another name first and then renamed.
+/// A file that exists is replaced.
+///
+/// @throws Error  io where writing fails; limit where the format cannot hold the scene; unsupported
+///                for another extension
+void save_scene(const Scene& scene, const std::filesystem::path& file);
+
+}  // namespace octavo

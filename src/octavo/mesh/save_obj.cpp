@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include <set>
+#include <string>
+#include <vector>
+
+#include "octavo/mesh/confined_path.h"
+#include "octavo/mesh/output_file.h"
+#include "octavo/mesh/save_formats.h"
+
+namespace octavo {
+namespace {
+
+/// Names without blanks, each once; the last one is for triangles without a material.
+std::vector<std::string> material_names(const Scene& scene) {
+    std::vector<std::string> names;
+    std::set<std::string> taken;
+    const auto add = [&](std::string name) {
+        for (char& c : name)
+            if (static_cast<unsigned char>(c) <= ' ') c = '_';
+        if (name.empty()) name = "material";
+        std::string unique = name;
+        for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
+        names.push_back(std::move(unique));
+    };
+    for (const Material& material : scene.materials) add(material.name);
+    add("none");
+    return names;
+}
+
+void write_color(OutputFile& out, const char* keyword, const vec3& color) {
+    out.write(keyword);
+    for (int c = 0; c < 3; ++c) {
+        out.write(" ");
+        out.write_number(color[c]);
+    }
+    out.write("\n");
+}
+
+void write_materials(const Scene& scene, const std::vector<std::string>& names,
+                     const std::filesystem::path& file) {
+    OutputFile out(file);
+    const std::filesystem::path folder = folder_of(file);
+    const auto write_map = [&](const char* keyword, int texture) {
+        if (texture == Material::kNoTexture) return false;
+        const auto& picture = scene.textures[static_cast<std::size_t>(texture)].file;
+        if (picture.empty() || !is_inside(folder, picture)) return false;
+        const auto name = std::filesystem::relative(picture, folder);
+        out.write(std::string(keyword) + " " + name.generic_string() + "\n");
+        return true;
+    };
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& material = scene.materials[i];
+        out.write("newmtl " + names[i] + "\n");
+        write_color(out, "Kd", vec3(material.base_color));
+        if (material.emission != vec3(0.0f)) write_color(out, "Ke", material.emission);
+        if (material.base_color.a != 1.0f) {
+            out.write("d ");
+            out.write_number(material.base_color.a);
+            out.write("\n");
+        }
+        if (write_map("map_Kd", material.base_color_texture) && material.alpha_cutoff)
+            write_map("map_d", material.base_color_texture);
+        write_map("map_Ke", material.emission_texture);
+        out.write("\n");
+    }
+    out.write("newmtl " + names.back() + "\n");
+    write_color(out, "Kd", vec3(1.0f));
+    out.commit();
+}
+
+}  // namespace
+
+void formats::write_obj(const Scene& scene, const std::filesystem::path& file) {
+    const bool has_materials = !scene.triangle_materials.empty();
+    const bool has_texture = !scene.texture_coordinates.empty();
+    const std::vector<std::string> names = material_names(scene);
+    OutputFile out(file);
+    if (has_materials) {
+        std::filesystem::path library = file;
+        library.replace_extension(".mtl");
+        write_materials(scene, names, library);
+        out.write("mtllib " + library.filename().string() + "\n");
+    }
+    for (std::size_t i = 0; i < scene.positions.size(); ++i) {
+        out.write("v");
+        for (int axis = 0; axis < 3; ++axis) {
+            out.write(" ");
+            out.write_number(scene.positions[i][axis]);
+        }
+        if (!scene.colors.empty()) {
+            for (int channel = 0; channel < 3; ++channel) {
+                out.write(" ");
+                out.write_number(static_cast<float>(scene.colors[i][channel]) / 255.0f);
+            }
+        }
+        out.write("\n");
+    }
+    for (const vec2& coordinate : scene.texture_coordinates) {
+        out.write("vt ");
+        out.write_number(coordinate.x);
+        out.write(" ");
+        out.write_number(1.0f - coordinate.y);  // OBJ counts from the picture's lower edge
+        out.write("\n");
+    }
+    std::uint32_t current = Scene::kNoMaterial;
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+        if (has_materials && (i == 0 || scene.triangle_materials[i] != current)) {
+            current = scene.triangle_materials[i];
+            const bool none = current == Scene::kNoMaterial;
+            out.write("usemtl " + (none ? names.back() : names[current]) + "\n");
+        }
+        out.write("f");
+        for (int c = 0; c < 3; ++c) {
+            const std::uint64_t index = std::uint64_t{scene.triangles[i][c]} + 1;
+            out.write(" ");
+            out.write_number(index);
+            if (has_texture) {
+                out.write("/");
+                out.write_number(index);
+            }
+        }
+        out.write("\n");
+    }
+    out.commit();
+}
+
+}  // namespace octavo

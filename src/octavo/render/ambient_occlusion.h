@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+//
+// How much of the sky a point sees. Shared text: include after sampling.h.
+//
+// After Laine and Karras, "Two Methods for Fast Ray-Cast Ambient Occlusion", 2010, as [K13] section
+// 4 uses it: an occluder at distance d counts 1 - d / radius. A shadow ray of random length l is
+// stopped by it if d < l, and with l even in [0, radius] that has just this probability: so rays
+// need to answer yes or no only, and most are short.
+#pragma once
+
+OCTAVO_SHARED_BEGIN
+
+// The number of samples [first, end) of the pixel that see the sky.
+//
+//   start   the point: a ray from the surface (leave_hit), of any direction
+//   face    of the cell that it must not go into, or kFaceNone
+//   normal  unit length
+//   radius  voxels: beyond it nothing occludes
+//   stop    lets rays end at larger cells, which makes it darker and faster ([K13] figure 8b)
+OCTAVO_FN int sky_samples_seen(DagView dag, GridRay start, int face, vec3 normal, float radius,
+                               Stop stop, int first, int end, uint seed) {
+    int seen = 0;
+    for (int i = first; i < end; i += 1) {
+        GridRay ray = start;
+        ray.dir = bend_outwards(cosine_direction(normal, sample_2d(uint(i), seed)), face);
+        ray.t_max = radius * sample_1d(uint(i), seed ^ 0x5bd1e995u);
+        seen += trace_any(dag, ray, stop) ? 0 : 1;
+    }
+    return seen;
+}
+
+OCTAVO_SHARED_END

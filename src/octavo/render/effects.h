@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+/// The per-pixel effects of the shared text, for C++.
+#include "octavo/trace/dag_view.h"
+
+#include "octavo/render/sampling.h"
+
+#include "octavo/render/ambient_occlusion.h"
+#include "octavo/render/shadow.h"

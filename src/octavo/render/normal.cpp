@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/render/normal.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+namespace octavo {
+namespace {
+
+/// Cells on each side of the one that was hit: with 5, the steps of a cylinder 40 cells across
+/// still show, faintly; with 3 they are stripes.
+constexpr int kRadius = 5;
+constexpr int kSide = 2 * kRadius + 1;
+
+/// One layer of a block of 11^3 cells: 12 rows of 16 bits, four rows to a word. The last row and
+/// the last columns stay empty, so that a shift by one cell never comes round an edge.
+struct Layer {
+    std::array<std::uint64_t, 3> words{};
+
+    void set(int x, int y) { words[y / 4u] |= 1ull << (x + 16 * (y % 4)); }
+    friend bool operator==(const Layer&, const Layer&) = default;
+};
+
+template <typename Function>
+Layer each_word(const Function& function) {
+    Layer result;
+    for (std::size_t i = 0; i < 3; ++i) result.words[i] = function(i);
+    return result;
+}
+
+Layer row_up(const Layer& l) {
+    return {{l.words[0] << 16, l.words[1] << 16 | l.words[0] >> 48,
+             l.words[2] << 16 | l.words[1] >> 48}};
+}
+Layer row_down(const Layer& l) {
+    return {{l.words[0] >> 16 | l.words[1] << 48, l.words[1] >> 16 | l.words[2] << 48,
+             l.words[2] >> 16}};
+}
+
+/// The cells of the middle (2 radius + 1)^2.
+Layer window(int radius) {
+    Layer window;
+    for (int y = kRadius - radius; y <= kRadius + radius; ++y)
+        for (int x = kRadius - radius; x <= kRadius + radius; ++x) window.set(x, y);
+    return window;
+}
+
+using Block = std::array<Layer, kSide>;
+
+const Layer kAllCells = window(kRadius);
+
+/// Weighted together, the faces near the hit count more, and cells fade in as the block moves on.
+constexpr std::array kWindowRadii = {1, 2, 3, 4, 5};
+const std::array<Layer, kWindowRadii.size()> kWindows = {window(1), window(2), window(3), window(4),
+                                                         window(5)};
+
+/// Sets the cells of the block that exist below a node, which is `height` above the block's cells.
+void gather(const shared::DagView& dag, std::uint32_t word, const shared::uvec2& leaf, int height,
+            int cell_height, const ivec3& corner, Block& block) {
+    const int above = height - cell_height;
+    if (glm::any(glm::greaterThanEqual(corner, ivec3(kSide))) ||
+        glm::any(glm::lessThanEqual(corner + (1 << above), ivec3(0))))
+        return;
+    if (above == 0) {
+        block[static_cast<std::size_t>(corner.z)].set(corner.x, corner.y);
+        return;
+    }
+    shared::uvec2 voxels = leaf;
+    std::uint32_t mask = 0;
+    if (height == 1) {
+        mask = leaf.x;
+    } else if (height == 2) {
+        voxels = {dag_load(dag, word), dag_load(dag, word + 1)};
+        mask = shared::leaf_children(voxels);
+    } else {
+        mask = dag_load(dag, word) & 255u;
+    }
+    for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        const ivec3 child = corner + (ivec3(i & 1, i >> 1 & 1, i >> 2) << (above - 1));
+        const std::uint32_t next = height > 2 ? shared::load_child(dag, word, 1u << i) : 0;
+        const shared::uvec2 inside(height == 2 ? shared::leaf_voxels(voxels, i) : 0u, 0u);
+        gather(dag, next, inside, height - 1, cell_height, child, block);
+    }
+}
+
+/// The empty cells that are connected to one cell through faces, inside the block.
+Block connected_space(const Block& occupied, const ivec3& from) {
+    Block space{};
+    space[static_cast<std::size_t>(from.z)].set(from.x, from.y);
+    const Layer nothing;
+    for (bool grew = true; grew;) {
+        grew = false;
+        const auto spread = [&](std::size_t z, const Layer& neighbour) {
+            const Layer s = space[z];
+            const Layer up = row_up(s);
+            const Layer down = row_down(s);
+            space[z] = each_word([&](std::size_t i) {
+                const std::uint64_t w = s.words[i];
+                return (w | w << 1 | w >> 1 | up.words[i] | down.words[i] | neighbour.words[i]) &
+                       kAllCells.words[i] & ~occupied[z].words[i];
+            });
+            grew |= space[z] != s;
+        };
+        for (std::size_t z = 0; z < kSide; ++z) spread(z, z > 0 ? space[z - 1] : nothing);
+        for (std::size_t z = kSide; z-- > 0;) spread(z, z + 1 < kSide ? space[z + 1] : nothing);
+    }
+    return space;
+}
+
+/// The sum of the faces between the occupied cells of the window and the space.
+ivec3 sum_of_faces(const Block& occupied, const Block& space, int radius, const Layer& within) {
+    const Layer nothing;
+    ivec3 sum(0);
+    for (int z = kRadius - radius; z <= kRadius + radius; ++z) {
+        const auto k = static_cast<std::size_t>(z);
+        const Layer cells =
+            each_word([&](std::size_t i) { return occupied[k].words[i] & within.words[i]; });
+        const Layer up = row_up(cells);
+        const Layer down = row_down(cells);
+        const Layer& above = k + 1 < kSide ? space[k + 1] : nothing;
+        const Layer& below = k > 0 ? space[k - 1] : nothing;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint64_t s = space[k].words[i];
+            const std::uint64_t c = cells.words[i];
+            sum.x += std::popcount(c << 1 & s) - std::popcount(c >> 1 & s);
+            sum.y += std::popcount(up.words[i] & s) - std::popcount(down.words[i] & s);
+            sum.z += std::popcount(c & above.words[i]) - std::popcount(c & below.words[i]);
+        }
+    }
+    return sum;
+}
+
+}  // namespace
+
+vec3 face_normal(const shared::GridRay& ray, const shared::GridHit& hit) noexcept {
+    if (hit.face >= shared::kFaceInside) return -glm::normalize(ray.dir);
+    vec3 normal(0.0f);
+    normal[hit.face / 2] = hit.face % 2 == 1 ? 1.0f : -1.0f;
+    return normal;
+}
+
+vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
+                   const shared::GridHit& hit) noexcept {
+    const vec3 face = face_normal(ray, hit);
+    if (hit.face >= shared::kFaceInside) return face;
+
+    Block occupied{};
+    const ivec3 corner = -(ivec3(hit.path) - kRadius);
+    gather(dag, 0, shared::uvec2(0), dag.depth, hit.height, corner, occupied);
+    const Block space = connected_space(occupied, ivec3(kRadius) + ivec3(face));
+    ivec3 sum(0);
+    for (std::size_t i = 0; i < kWindows.size(); ++i)
+        sum += sum_of_faces(occupied, space, kWindowRadii[i], kWindows[i]);
+    const vec3 normal(sum);
+    return sum == ivec3(0) ? face : glm::normalize(normal);
+}
+
+}  // namespace octavo

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "octavo/core/grid.h"
+#include "octavo/core/progress.h"
+#include "octavo/dag/dag.h"
+#include "octavo/mesh/scene.h"
+#include "octavo/render/image.h"
+
+namespace octavo {
+
+enum class Shadows { none, hard, soft };
+
+/// What a picture is made of. All counts of rays are per pixel, whatever `samples` is.
+struct RenderOptions {
+    int width = 1280;
+    int height = 720;
+    std::optional<Camera> camera;  // none: frames the voxels, see default_camera()
+    dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
+
+    std::optional<Light> light;  // none: a sun from default_sun(); its intensity is its colour
+    double light_size =
+        0.02;  // soft shadows; sun: angular radius, radians; lamp: radius, world units
+    Shadows shadows = Shadows::soft;
+    int shadow_samples = 16;
+
+    int ao_samples = 64;     // 0: no ambient occlusion
+    double ao_radius = 0.0;  // world units; 0: a tenth of the diagonal of the voxels' bounds
+    double ao_cone = 0.0;  // radians: an ambient ray may stop at cells that look smaller; 0: never
+
+    int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre
+    bool smooth_normals = true;   // from the occupancy around the voxel; else the face that was hit
+    bool level_of_detail = true;  // a primary ray stops at cells that look smaller than a pixel
+    bool beam = true;             // 8x8-pixel beams; the picture is the same without
+    std::uint32_t frame = 0;      // another number gives other noise
+
+    int threads = 0;            // 0: all; the picture does not depend on it
+    ProgressFunction progress;  // phase "render", in pixels
+};
+
+/// Renders a DAG: primary rays, direct light with shadow, sky light with ambient occlusion [K13].
+///
+/// @return        width * height pixels, see Image; an empty DAG gives the sky
+/// @throws Error  bad_argument where an option is out of range or not finite; cancelled
+/// Cost           (samples + shadow_samples + ao_samples) rays for each pixel that hits something
+[[nodiscard]] Image render(const Dag& dag, const Grid& grid, const RenderOptions& options);
+
+/// The smallest box, to a 256th of the grid, that holds all voxels; world space, empty for an empty
+/// DAG. Cost: at most 2^24 cells, far fewer for surfaces.
+[[nodiscard]] Box content_bounds(const Dag& dag, const Grid& grid);
+
+/// A camera that sees the whole box from a little above, from the direction (1, 0.6, 1.4) about
+/// `up`.
+[[nodiscard]] Camera default_camera(const Box& box, const dvec3& up, double aspect);
+
+/// A camera from three points of the command line.
+///
+/// @param vertical_fov  radians, in (0, pi)
+/// @throws Error        bad_argument where eye and target coincide, `up` is parallel to the view, a
+///                      number is not finite or the field of view is out of range
+[[nodiscard]] Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up,
+                             double vertical_fov);
+
+/// A sun that stands at this azimuth (from the +z axis, or the nearest thing at right angles to
+/// `up`, towards +x) and elevation above the horizon; radians.
+[[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
+
+/// The warm sun of the default picture: 35 degrees to the camera's left, 50 degrees high.
+[[nodiscard]] Light default_sun(const Camera& camera, const dvec3& up);
+
+}  // namespace octavo

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+//
+// Where a pixel's rays go: deterministic, well spread, different in each pixel. Shared text:
+// include after trace/traverse.h. Directions may differ between backends in the last bits (sin,
+// cos).
+//
+// Sobol's first two dimensions with Owen's scrambling by hash: Burley, "Practical Hash-based Owen
+// Scrambling", JCGT 2020. A pixel that needs more dimensions takes the sequence again, shuffled.
+#pragma once
+
+OCTAVO_SHARED_BEGIN
+
+// Mixes all bits; constants found by Wellons' search for a low bias (2018).
+OCTAVO_FN uint mix_bits(uint x) {
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+OCTAVO_FN uint pixel_seed(uint x, uint y, uint frame) {
+    return mix_bits(x + mix_bits(y + mix_bits(frame)));
+}
+
+OCTAVO_FN uint reverse_bits(uint x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+
+// Permutes numbers so that bit i of the result depends on bits 0 to i only: Owen's scrambling of
+// the reversed number. The permutation is Laine's and Karras', with Burley's constants.
+OCTAVO_FN uint scramble_upwards(uint x, uint seed) {
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return x;
+}
+
+// A fraction in [0, 1): the high 24 bits, exact in a float.
+OCTAVO_FN float to_fraction(uint x) {
+    return float(x >> 8) * (1.0f / 16777216.0f);
+}
+
+// Sample `index` of a sequence; every seed has its own. Any power of two of them from index 0 on
+// fill [0, 1) evenly.
+OCTAVO_FN float sample_1d(uint index, uint seed) {
+    uint shuffled = scramble_upwards(reverse_bits(index), mix_bits(seed));
+    return to_fraction(reverse_bits(scramble_upwards(reverse_bits(shuffled), seed)));
+}
+
+// The same in the unit square.
+OCTAVO_FN vec2 sample_2d(uint index, uint seed) {
+    uint sobol_y = 0u;
+    uint column = 0x80000000u;
+    for (uint bits = index; bits != 0u; bits >>= 1) {
+        if ((bits & 1u) != 0u) sobol_y ^= column;
+        column ^= column >> 1;
+    }
+    return vec2(to_fraction(reverse_bits(scramble_upwards(index, mix_bits(seed)))),
+                to_fraction(reverse_bits(scramble_upwards(reverse_bits(sobol_y), seed))));
+}
+
+// A point of the unit disc, evenly spread.
+OCTAVO_FN vec2 disc_point(vec2 square) {
+    float radius = sqrt(square.x);
+    float angle = 6.2831853f * square.y;
+    return vec2(radius * cos(angle), radius * sin(angle));
+}
+
+// From the frame whose z axis is the unit vector n.
+OCTAVO_FN vec3 from_frame(vec3 n, vec3 v) {
+    vec3 other = abs(n.x) < 0.6f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f);
+    vec3 x_axis = normalize(cross(other, n));
+    return v.x * x_axis + v.y * cross(n, x_axis) + v.z * n;
+}
+
+// A direction of the hemisphere about n, by the cosine: the disc lifted on to the sphere.
+OCTAVO_FN vec3 cosine_direction(vec3 n, vec2 square) {
+    vec2 disc = disc_point(square);
+    return from_frame(n, vec3(disc, sqrt(max(0.0f, 1.0f - dot(disc, disc)))));
+}
+
+OCTAVO_SHARED_END

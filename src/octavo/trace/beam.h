@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+//
+// A bundle of rays with one origin, and the time before which none of them can meet anything.
+// Shared text: include after traverse.h.
+//
+// After the beams of Laine and Karras, "Efficient Sparse Voxel Octrees", 2010, as [K13] section 4
+// uses them. Differs: they trace the four corner rays, between which the corner of a large cell can
+// poke through unseen. Here a plane has an interval of times instead of one, so the answer holds
+// for every ray of the bundle, to the last bit: a ray that starts there gives the hit that it gives
+// from t_min.
+#pragma once
+
+OCTAVO_SHARED_BEGIN
+
+// Rays from cell + frac whose directions lie in the box [dir_low, dir_high].
+struct Bundle {
+    ivec3 cell;
+    vec3 frac;
+    vec3 dir_low;
+    vec3 dir_high;
+    float t_min;
+    float t_max;
+    float
+        spread;  // cells narrower than t * spread are not opened: about the bundle's width at t = 1
+};
+
+// Renumbers children from real to mirrored, or back.
+OCTAVO_FN uint mirror_children(uint children, ivec3 down) {
+    if (down.x != 0) children = ((children & 0x55u) << 1) | ((children >> 1) & 0x55u);
+    if (down.y != 0) children = ((children & 0x33u) << 2) | ((children >> 2) & 0x33u);
+    if (down.z != 0) children = ((children & 0x0Fu) << 4) | ((children >> 4) & 0x0Fu);
+    return children;
+}
+
+// The least over the bundle of the time when a ray may first be in a cell where it would stop;
+// t_max if there is none. A bundle with directions of both signs on an axis gets no help: t_min.
+OCTAVO_FN float beam_start(DagView dag, Bundle beam, Stop stop) {
+    if (any(notEqual(lessThan(beam.dir_low, vec3(0.0f)), lessThan(beam.dir_high, vec3(0.0f)))))
+        return beam.t_min;
+    if (dag.depth == 0) return beam.t_max;
+    UpwardRay slow = mirror_ray(beam.cell, beam.frac, beam.dir_low, dag.depth);
+    UpwardRay fast = mirror_ray(beam.cell, beam.frac, beam.dir_high, dag.depth);
+
+    uint nodes[kPathCells];
+    uint to_visit[kPathCells];
+    uvec2 leaf = uvec2(0u);
+    uint node = 0u;
+    ivec3 corner = ivec3(0);
+    int height = dag.depth;
+    int child = 0;
+    float best = beam.t_max;
+    while (true) {
+        vec3 low_slow = plane_time(slow, corner);
+        vec3 low_fast = plane_time(fast, corner);
+        ivec3 far_corner = corner + (1 << height);
+        float enter = max(beam.t_min, max3(min(low_slow, low_fast)));
+        float leave = min3(max(plane_time(slow, far_corner), plane_time(fast, far_corner)));
+        float latest_entry = max3(max(low_slow, low_fast));
+
+        uint children = 0u;
+        if (enter < min(leave, best)) {
+            if (may_stop(stop, height, latest_entry) || float(1 << height) < enter * beam.spread) {
+                best = enter;
+            } else if (height > 2) {
+                children = dag_load(dag, node) & 255u;
+                nodes[height] = node;
+            } else if (height == 2) {
+                leaf = uvec2(dag_load(dag, node), dag_load(dag, node + 1u));
+                children = leaf_children(leaf);
+            } else {
+                children = leaf_voxels(leaf, child);
+            }
+            children = mirror_children(children, slow.down);
+        }
+        while (children == 0u) {
+            height += 1;
+            if (height > dag.depth) return best;
+            children = to_visit[height];
+        }
+        // Near children first: a mirrored child comes after those that lie before it on all axes.
+        int mirrored = lowest_bit(children);
+        to_visit[height] = children & (children - 1u);
+        ivec3 offset = ivec3(mirrored & 1, (mirrored >> 1) & 1, mirrored >> 2);
+        child = child_number(offset ^ slow.down);
+        if (height > 2) node = load_child(dag, nodes[height], 1u << child);
+        corner &= -(1 << height);
+        height -= 1;
+        corner += offset << height;
+    }
+}
+
+OCTAVO_SHARED_END

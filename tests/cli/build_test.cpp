@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/run_command.h"
+
+namespace octavo::test {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_info_keys(const Json& json) {
+    for (const char* key :
+         {"resolution", "depth", "rule", "voxels", "svo_nodes", "dag_nodes", "dag_bytes",
+          "bits_per_voxel", "file_bytes", "world_bounds", "voxel_size", "triangles",
+          "degenerate_triangles", "non_finite_triangles", "levels"})
+        EXPECT_TRUE(json.contains(key)) << key;
+    for (const Json& level : json.at("levels"))
+        for (const char* key : {"level", "svo_nodes", "dag_nodes", "bytes"})
+            EXPECT_TRUE(level.contains(key)) << key;
+}
+
+TEST(Build, JsonIsThatOfInfoAndHowItWent) {
+    const TemporaryFolder folder;
+    const Outcome built =
+        run_shell(folder.path(), "octavo build sample:courtyard -o a.octv -r 128 --json");
+    ASSERT_EQ(built.code, 0) << built.err;
+    Json build = Json::parse(built.out);
+    Json info = Json::parse(run_shell(folder.path(), "octavo info a.octv --json").out);
+    expect_info_keys(info);
+    for (const char* key : {"import_seconds", "construct_seconds", "write_seconds", "total_seconds",
+                            "threads", "peak_rss_bytes"})
+        EXPECT_TRUE(build.at("build").contains(key)) << key;
+    build.erase("build");
+    EXPECT_EQ(build, info);
+    EXPECT_EQ(info.at("resolution"), 128);
+    EXPECT_EQ(info.at("depth"), 7);
+    EXPECT_EQ(info.at("levels").size(), 7u);
+    EXPECT_EQ(info.at("file_bytes"), std::filesystem::file_size(folder / "a.octv"));
+}
+
+TEST(Build, SameInputGivesTheSameFileHoweverItIsBuilt) {
+    const TemporaryFolder folder;
+    const std::string build = "octavo build sample:courtyard -r 256 --quiet ";
+    ASSERT_EQ(run_shell(folder.path(), build + "-o a.octv --threads 1").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), build + "-o b.octv --threads 3 --tile 64").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), build + "-o c.octv --max-memory 2G").code, 0);
+    EXPECT_EQ(file_content(folder / "a.octv"), file_content(folder / "b.octv"));
+    EXPECT_EQ(file_content(folder / "a.octv"), file_content(folder / "c.octv"));
+}
+
+TEST(Build, TakesAGridFromTheCommandLine) {
+    const TemporaryFolder folder;
+    const Outcome built = run_shell(folder.path(),
+                                    "octavo build sample:courtyard -o a.octv -r 64 --rule thin "
+                                    "--origin -3.5,0,1e3 --voxel-size 0.125 --json");
+    ASSERT_EQ(built.code, 0) << built.err;
+    const Json json = Json::parse(built.out);
+    EXPECT_EQ(json.at("rule"), "thin");
+    EXPECT_EQ(json.at("voxel_size"), 0.125);
+    EXPECT_EQ(json.at("world_bounds").at("low"), Json({-3.5, 0.0, 1000.0}));
+    EXPECT_EQ(json.at("world_bounds").at("high"), Json({4.5, 8.0, 1008.0}));
+}
+
+TEST(Build, CompressedFileHoldsTheSame) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_shell(folder.path(),
+                        "octavo build sample:courtyard -o a.octv -r 256 -q && "
+                        "octavo build sample:courtyard -o b.octv -r 256 -q --compress")
+                  .code,
+              0);
+    EXPECT_LT(std::filesystem::file_size(folder / "b.octv"),
+              std::filesystem::file_size(folder / "a.octv"));
+    const std::string ray = " --ray 0,100,0,0,-1,0 --json";
+    EXPECT_EQ(run_shell(folder.path(), "octavo query a.octv" + ray).out,
+              run_shell(folder.path(), "octavo query b.octv" + ray).out);
+}
+
+TEST(Build, RemembersTheNameOfTheSceneAndNotItsFolder) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_shell(folder.path(),
+                  "mkdir -p deep/er && octavo sample courtyard --size 0.01 -o deep/er/yard.ply && "
+                  "octavo build deep/er/yard.ply -o a.octv -r 64 -q")
+            .code,
+        0);
+    const std::string content = file_content(folder / "a.octv");
+    EXPECT_NE(content.find("yard.ply"), std::string::npos);
+    EXPECT_EQ(content.find("deep"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace octavo::test
