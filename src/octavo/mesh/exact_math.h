@@ -43,6 +43,13 @@ inline double cosine(double angle) {
     return sine(angle + kPi / 2);
 }
 
+/// The nearest floats. Not inline: where g++ 12 sees both conversions of double to float to double,
+/// its vectorizer drops them (-O2, x and y of a vector) and nothing is rounded.
+[[nodiscard]] vec3 to_floats(const dvec3& p);
+[[nodiscard]] inline dvec3 rounded_to_float(const dvec3& p) {
+    return dvec3(to_floats(p));
+}
+
 /// Smooth from 0 at `low` to 1 at `high`.
 inline double smooth_step(double low, double high, double x) {
     const double t = glm::clamp((x - low) / (high - low), 0.0, 1.0);

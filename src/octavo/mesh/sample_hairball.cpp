@@ -30,7 +30,7 @@ void grow_tube(std::uint64_t seed, dvec3* out) {
         for (int k = 0; k < kSides; ++k) {
             const double angle = 2 * exact::kPi * k / kSides;
             const dvec3 q = p + radius * (exact::cosine(angle) * side + exact::sine(angle) * other);
-            *out++ = dvec3(vec3(q));
+            *out++ = exact::rounded_to_float(q);
         }
         // Bends drift slowly, which makes curls, and turn inwards near the ball's surface.
         if (step % 14 == 13) {

@@ -48,7 +48,7 @@ Scene scenes::scan(double size) {
             // The scanner's own error, a fraction of a cell; continuous, so that patches still
             // meet.
             const double error = 0.25 / n * noise(0.4 * n * d, 91);
-            scene.positions[line * row + i] = dvec3(vec3(d * (radius_at(d) + error)));
+            scene.positions[line * row + i] = exact::rounded_to_float(d * (radius_at(d) + error));
         }
         if (j == n) return;
         uvec3* out = scene.triangles.data() + 2 * n * (line - line / row);

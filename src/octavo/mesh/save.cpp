@@ -2,6 +2,7 @@
 #include "octavo/mesh/save.h"
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/exact_math.h"
 #include "octavo/mesh/save_formats.h"
 
 namespace octavo {
@@ -17,9 +18,11 @@ void save_scene(const Scene& scene, const std::filesystem::path& file) {
 }
 
 bool formats::floats_are_exact(const Scene& scene) {
-    const auto exact = [](double x) { return static_cast<float>(x) == x || x != x; };
-    for (const dvec3& p : scene.positions)
-        if (!exact(p.x) || !exact(p.y) || !exact(p.z)) return false;
+    for (const dvec3& p : scene.positions) {
+        const dvec3 rounded = exact::rounded_to_float(p);
+        for (int axis = 0; axis < 3; ++axis)
+            if (rounded[axis] != p[axis] && p[axis] == p[axis]) return false;  // NaN stays NaN
+    }
     return true;
 }
 

@@ -13,8 +13,8 @@ std::uint32_t ShapeBuilder::add_material(const std::string& name, const vec3& co
 }
 
 std::uint32_t ShapeBuilder::point(const dvec3& p) {
-    const vec3 rounded(dvec3(placement * dvec4(p.x, p.y, p.z, 1.0)));
-    scene.positions.emplace_back(rounded);
+    const dvec3 placed_point(placement * dvec4(p.x, p.y, p.z, 1.0));
+    scene.positions.push_back(exact::rounded_to_float(placed_point));
     const std::uint8_t level = unit_to_byte(tint);
     scene.colors.push_back({level, level, level, 255});
     return static_cast<std::uint32_t>(scene.positions.size()) - 1;

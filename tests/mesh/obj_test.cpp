@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mesh/mesh_files.h"
+
+namespace octavo {
+namespace {
+
+using test::load_error;
+using test::mentions;
+using test::TemporaryFolder;
+
+TEST(Obj, KeepsFarCoordinatesExactToTheDouble) {
+    const TemporaryFolder folder;
+    const Scene scene = load_scene(folder.write(
+        "a.obj",
+        "v 5734567.123456789 -4321987.000976563 1e-3\nv 5734567.123457 1 2\nv 0 .5 -.25E+1\n"
+        "f 1 2 3\n"));
+    EXPECT_EQ(scene.positions[0], dvec3(5734567.123456789, -4321987.000976563, 1e-3));
+    EXPECT_EQ(scene.positions[2], dvec3(0, 0.5, -2.5));
+}
+
+TEST(Obj, CountsNegativeIndicesBackFromTheLatestVertex) {
+    const TemporaryFolder folder;
+    const Scene scene = load_scene(
+        folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\nf -1 1 2\n"));
+    EXPECT_EQ(scene.triangles[0], uvec3(0, 1, 2));
+    EXPECT_EQ(scene.triangles[1], uvec3(3, 0, 1));
+}
+
+TEST(Obj, NamesTheByteOfABadIndex) {
+    const TemporaryFolder folder;
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (const char* face : {"f 1 2 4", "f 1 2 0", "f -4 1 2", "f 1 2 99999999999999999999",
+                             "f 1 2 x", "f 1 2 -9223372036854775808"}) {
+        const Error error = load_error(folder.write("a.obj", vertices + face));
+        EXPECT_EQ(error.code(), Errc::bad_input) << face;
+        EXPECT_GE(error.offset().value_or(0), vertices.size()) << face;
+    }
+}
+
+TEST(Obj, ReadsPolygonsContinuedLinesAndEveryCornerForm) {
+    const TemporaryFolder folder;
+    const Scene scene = load_scene(
+        folder.write("a.obj",
+                     "# L-shaped\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nvn 0 0 1\n"
+                     "vt 0 0\nf 1 2/1 3//1 \\\n 4/1/1 5 6 # six corners\nl 1 2\np 3\nf 1 2\n"));
+    EXPECT_EQ(scene.triangles.size(), 4u);
+    EXPECT_TRUE(mentions(scene, "fewer than three corners"));
+}
+
+TEST(Obj, ReadsVertexColoursAndTheNumbersOfOldPrograms) {
+    const TemporaryFolder folder;
+    const Scene scene = load_scene(folder.write(
+        "a.obj",
+        "v 0 0 0 1 0.5 nan\nv 1.#IND -1.#INF 0\nv 0 1 0 0 0 1\nv 0 0 1 7\nf 1 2 3\nf 1 3 4\n"));
+    using Color = std::array<std::uint8_t, 4>;
+    EXPECT_EQ(scene.colors[0], (Color{255, 128, 0, 255}));
+    EXPECT_EQ(scene.colors[1], (Color{255, 255, 255, 255}));
+    EXPECT_EQ(scene.colors[2], (Color{0, 0, 255, 255}));
+    EXPECT_TRUE(std::isnan(scene.positions[1].x));
+    EXPECT_EQ(scene.positions[1].y, -INFINITY);
+}
+
+TEST(Obj, ReadsMaterialsWithTexturesEmissionAndHoles) {
+    const TemporaryFolder folder;
+    folder.write("my textures/leaf.png", "png");
+    folder.write("my materials.mtl",
+                 "newmtl leaf\nKd 0.1 0.2 0.3\nmap_Kd -s 1 1 1 -clamp on my textures\\leaf.png\n"
+                 "map_d my textures\\leaf.png\nd 0.5\n  newmtl lamp\n Ke 3 2 1\nKd 0.5\n"
+                 "newmtl gone\nmap_Kd missing.png\n");
+    const Scene scene = load_scene(folder.write(
+        "a.obj",
+        "mtllib my materials.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0.25\n"
+        "usemtl leaf\nf 1/1 2/2 3/3\nusemtl lamp\nf 1/2 2/2 3/3\nusemtl nobody\nf 1 2 3\n"));
+    ASSERT_EQ(scene.materials.size(), 4u);
+    const Material& leaf = scene.materials[0];
+    EXPECT_EQ(leaf.base_color, vec4(0.1f, 0.2f, 0.3f, 0.5f));
+    ASSERT_EQ(leaf.base_color_texture, 0);
+    EXPECT_EQ(scene.textures[0].file, folder.path() / "my textures/leaf.png");
+    EXPECT_TRUE(leaf.alpha_cutoff);
+    EXPECT_EQ(scene.materials[1].emission, vec3(3, 2, 1));
+    EXPECT_EQ(scene.materials[1].base_color, vec4(0.5f, 0.5f, 0.5f, 1.0f));
+    EXPECT_EQ(scene.materials[2].base_color_texture, Material::kNoTexture);
+    EXPECT_TRUE(mentions(scene, "missing.png"));
+    EXPECT_EQ(scene.materials[3].name, "nobody");
+    EXPECT_EQ(scene.triangle_materials, (std::vector<std::uint32_t>{0, 1, 3}));
+
+    // The first vertex has two texture coordinates, so it became two vertices at one place.
+    ASSERT_EQ(scene.texture_coordinates.size(), scene.positions.size());
+    EXPECT_EQ(scene.texture_coordinates[scene.triangles[0].x], vec2(0, 1));
+    EXPECT_EQ(scene.texture_coordinates[scene.triangles[0].z], vec2(0, 0.75));
+    EXPECT_EQ(scene.texture_coordinates[scene.triangles[1].x], vec2(1, 1));
+    EXPECT_EQ(scene.positions[scene.triangles[0].x], scene.positions[scene.triangles[1].x]);
+}
+
+TEST(Obj, FindsMaterialsInALibraryThatIsNamedAfterTheirUse) {
+    const TemporaryFolder folder;
+    folder.write("a.mtl", "newmtl red\nKd 1 0 0\n");
+    const Scene scene = load_scene(folder.write(
+        "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nmtllib none.mtl a.mtl\n"));
+    EXPECT_EQ(scene.materials[scene.triangle_materials[0]].base_color, vec4(1, 0, 0, 1));
+    EXPECT_TRUE(mentions(scene, "none.mtl"));
+}
+
+}  // namespace
+}  // namespace octavo
