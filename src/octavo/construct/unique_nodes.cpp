@@ -14,23 +14,15 @@ constexpr std::size_t kFirstSlots = 256;
 
 }  // namespace
 
-std::uint32_t UniqueNodes::add(const std::uint32_t* node, std::uint64_t hash) {
+std::uint32_t UniqueNodes::append(const std::uint32_t* node, int size, std::size_t slot) {
+    const std::uint64_t id = words_.size();
+    if (id + static_cast<unsigned>(size) > kEmpty)
+        throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
+    words_.append(node, size);
+    slots_[slot] = static_cast<std::uint32_t>(id);
     // At most 5/8 full: linear probing then looks at two slots on average.
-    if ((count_ + 1) * 8 > slots_.size() * 5) grow_table();
-
-    const int size = size_of(node);
-    for (std::size_t slot = home(hash);; slot = (slot + 1) & (slots_.size() - 1)) {
-        const std::uint32_t id = slots_[slot];
-        if (id == kEmpty) {
-            const std::uint64_t added = words_.size();
-            if (added + static_cast<unsigned>(size) > kEmpty)
-                throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
-            words_.append(node, size);
-            ++count_;
-            return slots_[slot] = static_cast<std::uint32_t>(added);
-        }
-        if (equal(words_.data() + id, node, size)) return id;
-    }
+    if (++count_ * 8 > slots_.size() * 5) grow_table();
+    return static_cast<std::uint32_t>(id);
 }
 
 void UniqueNodes::prefetch_slot(std::uint64_t hash) const {

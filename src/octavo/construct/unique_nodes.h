@@ -24,7 +24,15 @@ public:
     /// The id of the node with these words; adds it if it is new.
     /// @throws Error limit where an id would not fit 32 bits
     std::uint32_t add(const std::uint32_t* node) { return add(node, hash(node)); }
-    std::uint32_t add(const std::uint32_t* node, std::uint64_t hash);
+    std::uint32_t add(const std::uint32_t* node, std::uint64_t hash) {
+        if (slots_.empty()) grow_table();
+        const int size = size_of(node);
+        for (std::size_t slot = home(hash);; slot = (slot + 1) & (slots_.size() - 1)) {
+            const std::uint32_t id = slots_[slot];
+            if (id == kEmpty) return append(node, size, slot);
+            if (equal(words_.data() + id, node, size)) return id;
+        }
+    }
 
     [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
         std::uint64_t h = mix(node[0] | std::uint64_t{node[1]} << 32);
@@ -78,6 +86,7 @@ private:
     }
 
     [[nodiscard]] std::size_t home(std::uint64_t hash) const { return hash & (slots_.size() - 1); }
+    std::uint32_t append(const std::uint32_t* node, int size, std::size_t slot);
     void grow_table();
 
     Kind kind_;

@@ -28,13 +28,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 __extension__ typedef __int128 Int128;
 
-/// Bit i is set where lane i is not negative.
+/// Bit i is set where lane i is negative.
 template <class D>
-HWY_INLINE std::uint32_t non_negative(D d, hn::Vec<D> v) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, hn::Lt(v, hn::Zero(d)), bytes);
-    constexpr std::uint32_t kLanes = (1u << hn::MaxLanes(D())) - 1u;
-    return ~(bytes[0] | std::uint32_t{bytes[1]} << 8) & kLanes;
+HWY_INLINE std::uint64_t negative(D d, hn::Vec<D> v) {
+    std::uint64_t bits = 0;
+    hn::StoreMaskBits(d, hn::Lt(v, hn::Zero(d)), reinterpret_cast<std::uint8_t*>(&bits));
+    return bits;
 }
 
 /// Tests one triangle against 4x4x4 cells at a time.
@@ -191,29 +190,28 @@ private:
         const auto v = hn::Set(kInt32, high);
         const auto r = hn::Set(kInt32, high_last);
         if (plane_low_bits_ == 0) {
-            std::uint64_t mask = 0;
+            std::uint64_t off = 0;
             for (int i = 0; i < 64; i += kLanes32) {
                 const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
-                mask |= std::uint64_t{non_negative(kInt32, hn::Or(w, hn::Sub(r, w)))} << i;
+                off |= negative(kInt32, hn::Or(w, hn::Sub(r, w))) << i;
             }
-            return mask;
+            return ~off;
         }
         // What was cut off the value and its up to 9 steps adds less than 10.
         const auto slack = hn::Set(kInt32, 9);
         const auto sure_last = hn::Set(kInt32, high_last - 10);
-        std::uint64_t possible = 0, sure = 0;
+        std::uint64_t off = 0, maybe_off = 0;
         for (int i = 0; i < 64; i += kLanes32) {
             const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
-            possible |=
-                std::uint64_t{non_negative(kInt32, hn::Or(hn::Add(w, slack), hn::Sub(r, w)))} << i;
-            sure |= std::uint64_t{non_negative(kInt32, hn::Or(w, hn::Sub(sure_last, w)))} << i;
+            off |= negative(kInt32, hn::Or(hn::Add(w, slack), hn::Sub(r, w))) << i;
+            maybe_off |= negative(kInt32, hn::Or(w, hn::Sub(sure_last, w))) << i;
         }
-        return HWY_LIKELY(possible == sure) ? sure : on_plane_exactly(value, last);
+        return HWY_LIKELY(off == maybe_off) ? ~off : on_plane_exactly(value, last);
     }
 
     HWY_NOINLINE std::uint64_t on_plane_exactly(std::int64_t value, std::int64_t last) const {
         const auto r = hn::Set(kInt64, last);
-        std::uint64_t mask = 0;
+        std::uint64_t off = 0;
         for (int eighth = 0; eighth < 8; ++eighth) {  // (x1, y1, z1) of the Morton code
             const std::int64_t step =
                 2 * ((eighth & 1) * normal_[0] + (eighth >> 1 & 1) * normal_[1] +
@@ -221,11 +219,10 @@ private:
             const auto v = hn::Set(kInt64, value + step);
             for (int i = 0; i < 8; i += kLanes64) {
                 const auto w = hn::Add(hn::Load(kInt64, exact_plane_steps_ + i), v);
-                mask |= std::uint64_t{non_negative(kInt64, hn::Or(w, hn::Sub(r, w)))}
-                        << (8 * eighth + i);
+                off |= negative(kInt64, hn::Or(w, hn::Sub(r, w))) << (8 * eighth + i);
             }
         }
-        return mask;
+        return ~off;
     }
 
     HWY_INLINE void wide_edge_values(const ivec3& corner, int shift, const std::int64_t* offset,
@@ -260,14 +257,14 @@ private:
         const auto v0 = hn::Set(kInt32, values.value[e] - reach[0]);
         const auto v1 = hn::Set(kInt32, values.value[e + 1] - reach[1]);
         const auto v2 = hn::Set(kInt32, values.value[e + 2] - reach[2]);
-        std::uint32_t mask = 0;
+        std::uint64_t outside = 0;
         for (int i = 0; i < 16; i += kLanes32) {
             const auto w0 = hn::Add(hn::Load(kInt32, edge_steps_[e] + i), v0);
             const auto w1 = hn::Add(hn::Load(kInt32, edge_steps_[e + 1] + i), v1);
             const auto w2 = hn::Add(hn::Load(kInt32, edge_steps_[e + 2] + i), v2);
-            mask |= non_negative(kInt32, hn::Or(w0, hn::Or(w1, w2))) << i;
+            outside |= negative(kInt32, hn::Or(w0, hn::Or(w1, w2))) << i;
         }
-        return mask;
+        return static_cast<std::uint32_t>(~outside) & 0xffffu;
     }
 
     HWY_INLINE std::uint64_t in_projections(const EdgeValues& values) const {
