@@ -6,7 +6,7 @@
 namespace octavo::architecture {
 namespace {
 
-constexpr int kColumnSides = 26;
+constexpr int kColumnSides = 22;
 constexpr int kArchSegments = 26;
 constexpr double kBalusterSpacing = 0.36;
 constexpr double kTileWidth = 0.34;
@@ -94,11 +94,11 @@ void balustrade(ShapeBuilder& shapes, double length, double floor) {
                                   {0.075, 0.62}, {0.075, 0.71}};
     const int count = std::max(1, static_cast<int>(length / kBalusterSpacing));
     for (int i = 0; i < count; ++i)
-        shapes.lathe({length * (i + 0.5) / count, floor + kRail, 0}, kProfile, 12);
+        shapes.lathe({length * (i + 0.5) / count, floor + kRail, 0}, kProfile, 11);
 }
 
 void tiled_slope(ShapeBuilder& shapes, const Slope& s) {
-    const int across = shapes.segments(static_cast<int>(4 * s.length / kTileWidth), 4);
+    const int across = shapes.segments(static_cast<int>(3 * s.length / kTileWidth), 4);
     // Each row has a lower and an upper edge; a row's upper edge lies under the next one's lower.
     const int lines = 2 * s.rows - 1;
     constexpr double kRowStep = 0.05, kCurve = 0.055;

@@ -43,7 +43,7 @@ public:
 
         Scene scene = std::move(shapes_.scene);
         scene.cameras = {
-            look_at("overview", {-1150, 420, 1050}, {60, 20, -60}, 0.7),
+            look_at("overview", {-820, 250, 700}, {40, -10, -40}, 0.7),
             look_at("street", {-0.5 * kBlock * 6, 3, 0.6}, {200, 14, 0}, 0.9),
         };
         scene.lights.push_back(sun({0.55, -0.62, -0.45}, {3.4f, 3.2f, 2.8f}));

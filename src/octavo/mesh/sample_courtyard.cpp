@@ -59,12 +59,12 @@ public:
 
         Scene scene = std::move(shapes_.scene);
         scene.cameras = {
-            look_at("court", {-14.6, 1.75, 1.5}, {2.0, 3.35, -0.7}, 0.98),
+            look_at("court", {-14.3, 1.75, 1.3}, {2.0, 3.5, 0.1}, 0.95),
             look_at("gallery", {-10.5, 7.35, -7.6}, {4.0, 3.2, 2.0}, 0.95),
             look_at("fountain", {-3.4, 1.5, 2.9}, {2.6, 2.5, -0.6}, 0.85),
-            look_at("above", {-27.0, 25.0, 25.0}, {0.5, 2.5, 0.0}, 0.72),
+            look_at("above", {-22.0, 36.0, 26.0}, {0.8, 3.0, 0.5}, 0.74),
         };
-        scene.lights.push_back(sun({0.42, -0.80, -0.34}, {3.4f, 3.1f, 2.6f}));
+        scene.lights.push_back(sun({0.50, -0.80, -0.25}, {3.4f, 3.1f, 2.6f}));
         return scene;
     }
 
@@ -81,7 +81,7 @@ private:
     /// Floors, outer walls and the mouldings that go around the court.
     void shell() {
         shapes_.material = plaster_;
-        ring(kWalk, kWalk + kWall, -0.2, kEaves + 2.2);
+        ring(kWalk, kWalk + kWall, -0.2, kEaves + 1.8);
         shapes_.material = stone_;
         ring(-0.5, kWalk, -0.2, kStep);
         ring(-0.3, kWalk, 5.0, kFloor);
@@ -287,7 +287,7 @@ private:
     /// A robed figure with one arm raised, all of it smooth: a turned profile that sways and
     /// twists.
     void statue(const dvec3& foot) {
-        constexpr double kHeight = 2.3;
+        constexpr double kHeight = 2.5;
         constexpr dvec2 kOutline[] = {{0.00, 0.40},   {0.06, 0.41},   {0.22, 0.33}, {0.40, 0.30},
                                       {0.52, 0.27},   {0.60, 0.20},   {0.68, 0.24}, {0.76, 0.27},
                                       {0.81, 0.23},   {0.845, 0.085}, {0.87, 0.08}, {0.905, 0.125},

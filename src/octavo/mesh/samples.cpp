@@ -16,7 +16,7 @@ constexpr SampleInfo kSamples[] = {
     {"courtyard", "an arcaded court with a fountain, cloth, plants and lanterns", 280'000},
     {"hairball", "thousands of thin curled tubes in a ball", 2'800'000},
     {"scan", "a rough stone as a laser scanner would see it", 10'000'000},
-    {"city", "three kilometres of hills and streets, mostly empty", 1'500'000},
+    {"city", "three kilometres of hills and streets, mostly empty", 2'000'000},
 };
 constexpr Scene (*kMakers[])(double) = {scenes::courtyard, scenes::hairball, scenes::scan,
                                         scenes::city};
