@@ -21,10 +21,11 @@ std::uint64_t directory_bytes(std::size_t sections) {
 }
 
 std::vector<std::byte> join(const FileHeader& header, std::span<const Section> sections) {
-    const auto first = std::as_bytes(std::span(&header, 1));
-    const auto rest = std::as_bytes(sections);
-    std::vector<std::byte> bytes(first.begin(), first.end());
-    bytes.insert(bytes.end(), rest.begin(), rest.end());
+    std::vector<std::byte> bytes(directory_bytes(sections.size()));
+    std::memcpy(bytes.data(), &header, sizeof header);
+    // An empty table has no address to copy from.
+    if (!sections.empty())
+        std::memcpy(bytes.data() + sizeof header, sections.data(), sections.size_bytes());
     return bytes;
 }
 
