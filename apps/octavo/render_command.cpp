@@ -38,6 +38,7 @@ struct RenderArguments {
     std::optional<dvec3> at;
     std::optional<double> fov_degrees;
     std::string camera_name;
+    bool overview = false;
     std::optional<std::array<double, 2>> sun;
     double exposure = 0.0;
     bool flat_normals = false;
@@ -67,11 +68,14 @@ Camera named_camera(const std::vector<Camera>& cameras, const std::string& wante
                 "no camera '" + wanted + "'; the file has " + (names.empty() ? "none" : names));
 }
 
-/// The camera that the arguments describe. One without `--eye` frames the whole scene.
+/// The camera that the arguments describe: by name, by `--eye`, else the scene's first one. A scene
+/// without cameras, or `--overview`, is framed as a whole.
 Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     Camera camera;
     if (!arguments.camera_name.empty()) {
         camera = named_camera(model.metadata.cameras, arguments.camera_name);
+    } else if (!arguments.eye && !arguments.overview && !model.metadata.cameras.empty()) {
+        camera = model.metadata.cameras.front();
     } else {
         const Box box = content_bounds(model.dag, model.grid());
         const Box shown = box.empty() ? model.grid().bounds() : box;
@@ -104,9 +108,10 @@ void run_render(RenderArguments& arguments) {
 }
 
 void add_view_options(CLI::App& command, RenderArguments& arguments) {
-    CLI::Option* camera =
-        command.add_option("--camera", arguments.camera_name, "A camera of the scene, by its name")
-            ->type_name("NAME");
+    CLI::Option* camera = command
+                              .add_option("--camera", arguments.camera_name,
+                                          "A camera of the scene, by its name; otherwise its first")
+                              ->type_name("NAME");
     CLI::Option* eye = add_parsed(command, "--eye", arguments.eye, parse_vec3,
                                   "Where the camera stands, world space", "X,Y,Z");
     add_parsed(command, "--at", arguments.at, parse_vec3,
@@ -117,7 +122,10 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
     command.add_option("--fov", arguments.fov_degrees, "Vertical field of view")
         ->type_name("DEGREES")
         ->check(within(0.01, 179.0));
-    camera->excludes(eye);
+    CLI::Option* overview = command.add_flag("--overview", arguments.overview,
+                                             "Frame the whole scene, as if it had no camera");
+    camera->excludes(eye)->excludes(overview);
+    overview->excludes(eye);
 }
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {

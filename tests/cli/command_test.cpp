@@ -28,7 +28,7 @@ TEST(Command, HelpStartsWithExamples) {
 TEST(Command, WrongUsageIsOneLineAndCode2) {
     const TemporaryFolder folder;
     const std::string octv = small_octv().string();
-    for (const std::string arguments :
+    for (const std::string& arguments :
          {std::string(""),
           std::string("bild"),
           std::string("build"),

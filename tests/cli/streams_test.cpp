@@ -8,9 +8,9 @@ namespace {
 
 TEST(Streams, ClosedOutputIsAnError) {
     const std::string octv = small_octv().string();
-    for (const std::string line :
-         {"octavo info " + octv + " >&-", "octavo --version >&-",
-          "octavo info " + octv + " >/dev/full", "octavo --help >/dev/full",
+    for (const std::string& line :
+         {"octavo info " + octv + " >&-", std::string("octavo --version >&-"),
+          "octavo info " + octv + " >/dev/full", std::string("octavo --help >/dev/full"),
           "octavo query " + octv + " --point 0,0,0 >/dev/full"}) {
         const Outcome outcome = run_shell(".", line);
         EXPECT_EQ(outcome.code, 1) << line;

@@ -12,6 +12,8 @@
 namespace octavo {
 namespace {
 
+// On the courtyard's 37.7 MB at 8192^3, level 1, 3 and 6 leave 21.7, 19.8 and 18.8 MB and take 0.3,
+// 0.5 and 1.1 s (2026-11, one core); a file is compressed once and kept.
 constexpr int kLevel = 6;
 
 std::size_t checked(std::size_t result) {

@@ -20,11 +20,18 @@ std::uint64_t directory_bytes(std::size_t sections) {
     return sizeof(FileHeader) + sections * sizeof(Section);
 }
 
-std::uint64_t directory_checksum(FileHeader header, std::span<const Section> sections) {
-    header.checksum = 0;
+std::vector<std::byte> join(const FileHeader& header, std::span<const Section> sections) {
     std::vector<std::byte> bytes(directory_bytes(sections.size()));
     std::memcpy(bytes.data(), &header, sizeof header);
-    std::memcpy(bytes.data() + sizeof header, sections.data(), sections.size_bytes());
+    // An empty table has no address to copy from.
+    if (!sections.empty())
+        std::memcpy(bytes.data() + sizeof header, sections.data(), sections.size_bytes());
+    return bytes;
+}
+
+std::uint64_t directory_checksum(FileHeader header, std::span<const Section> sections) {
+    header.checksum = 0;
+    const std::vector<std::byte> bytes = join(header, sections);
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
@@ -113,10 +120,7 @@ std::vector<std::byte> encode_directory(std::uint64_t file_bytes,
     header.file_bytes = file_bytes;
     header.section_count = static_cast<std::uint32_t>(sections.size());
     header.checksum = directory_checksum(header, sections);
-    std::vector<std::byte> bytes(directory_bytes(sections.size()));
-    std::memcpy(bytes.data(), &header, sizeof header);
-    std::memcpy(bytes.data() + sizeof header, sections.data(), sections.size_bytes());
-    return bytes;
+    return join(header, sections);
 }
 
 std::vector<Section> decode_directory(std::span<const std::byte> file,

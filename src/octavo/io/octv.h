@@ -41,7 +41,7 @@ struct OctvReadOptions {
 /// and the reason; never a crash, nor more memory than the DAG's size.
 ///
 /// @throws Error  io; bad_input; unsupported where the file needs a newer program; limit
-/// Cost           one pass over the words, about a second for each GiB; nothing where trusted
+/// Cost           one pass over the words, about 1.4 s for each GiB; nothing where trusted
 [[nodiscard]] Model read_octv(const std::filesystem::path& path,
                               const OctvReadOptions& options = {});
 
