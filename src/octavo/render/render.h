@@ -27,7 +27,7 @@ struct RenderOptions {
     int shadow_samples = 16;
 
     int ao_samples = 64;     // 0: no ambient occlusion
-    double ao_radius = 0.0;  // world units; 0: a tenth of the diagonal of the voxels' bounds
+    double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
     double ao_cone = 0.0;  // radians: an ambient ray may stop at cells that look smaller; 0: never
 
     int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre
