@@ -124,7 +124,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
     sun.name = "sun";
     sun.direction = -(std::cos(elevation) * (std::sin(azimuth) * x + std::cos(azimuth) * z) +
                       std::sin(elevation) * y);
-    sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.9f;
+    sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.2f;
     return sun;
 }
 
@@ -133,7 +133,7 @@ Light default_sun(const Camera& camera, const dvec3& up) {
     const dvec3 z = any_perpendicular(y);
     const dvec3 x = glm::cross(y, z);
     const double behind = std::atan2(-glm::dot(camera.forward, x), -glm::dot(camera.forward, z));
-    return sun_at(behind - 4.5 * kTenDegrees, 4.8 * kTenDegrees, up);
+    return sun_at(behind - 5.5 * kTenDegrees, 4.2 * kTenDegrees, up);
 }
 
 }  // namespace octavo

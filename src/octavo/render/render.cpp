@@ -54,8 +54,8 @@ const vec3 kZenith(0.30f, 0.47f, 0.78f);
 const vec3 kHorizon(0.80f, 0.86f, 0.93f);
 const vec3 kGround(0.42f, 0.39f, 0.35f);
 /// The sky's light on a surface that sees all of it, for an albedo of one.
-const vec3 kSkyLight(0.46f, 0.54f, 0.68f);
-const vec3 kGroundLight(0.30f, 0.26f, 0.22f);
+const vec3 kSkyLight(0.40f, 0.47f, 0.60f);
+const vec3 kGroundLight(0.22f, 0.19f, 0.16f);
 
 /// How far secondary rays of a smoothed surface start above it, in cells: the steps of a slanted
 /// plane are up to one cell high, and its shading must not see them.

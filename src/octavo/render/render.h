@@ -69,7 +69,7 @@ struct RenderOptions {
 /// `up`, towards +x) and elevation above the horizon; radians.
 [[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
 
-/// The warm sun of the default picture: 45 degrees to the camera's left, 48 degrees high.
+/// The warm sun of the default picture: 55 degrees to the camera's left, 42 degrees high.
 [[nodiscard]] Light default_sun(const Camera& camera, const dvec3& up);
 
 }  // namespace octavo
