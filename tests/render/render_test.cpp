@@ -85,6 +85,26 @@ TEST(Render, LitPlaneHasNoAcne) {
         }
 }
 
+TEST(Render, ChangeOfLevelLeavesNoLineOnAFloor) {
+    // The floor's top is in the lower half of every larger cell that holds it.
+    const Dag dag = test::slanted_wall(9, {0, 1, 0}, 256);
+    for (const bool smooth : {false, true}) {
+        RenderOptions options = small_picture();
+        options.camera = look_at({20, 290, 256}, {256, 257, 256}, {0, 1, 0}, 0.25);
+        options.smooth_normals = smooth;
+        options.light = sun_at(0.4, 1.0);
+        options.ao_radius = 5.0;
+        const Image image = render(dag, {dvec3(0), 1.0, 9}, options);
+        int floor = 0;
+        for (std::size_t i = 0; i < image.color.size(); ++i) {
+            if (image.depth[i] > 400.0f) continue;  // the floor's end and the sky
+            ++floor;
+            ASSERT_NEAR(image.color[i].y, image.color.back().y, 0.03f) << i;
+        }
+        EXPECT_GT(floor, 1500);
+    }
+}
+
 TEST(Render, FacesOfAnAxisAlignedPlaneAreEvenToTheBit) {
     const Dag dag = test::slanted_wall(7, {0, 1, 0}, 64);
     RenderOptions options = small_picture();

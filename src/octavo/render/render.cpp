@@ -135,7 +135,8 @@ private:
             if (!rays_.sees_nothing() && start < ray.t_max)
                 hit = trace_closest(dag_, ray, primary_stop_);
             const bool found = hit.face != shared::kFaceNone;
-            sum += found ? shade(ray, hit, i, seed, normals) : sky(dir);
+            sum +=
+                found ? shade(ray, move_to_open_face(dag_, ray, hit), i, seed, normals) : sky(dir);
             if (i == 0)
                 depth = found ? static_cast<float>((rays_.t_before() + hit.t) * grid_.voxel_size)
                               : std::numeric_limits<float>::infinity();
