@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Question: what does one ray cost, by list of children ([B18], the library's) and by integer
-// steps? One thread; the two are run in turn, so that a change of the machine's clock meets both;
+// Question: what does one ray cost, by integer steps (the library's way) and by lists of children
+// ([B18])? One thread; the two are run in turn, so that a change of the machine's clock meets both;
 // median of the rounds, in ns for each ray, and cells visited for each ray.
 #include <algorithm>
 #include <chrono>
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "support/small_dags.h"
 #include "support/children_list.h"
+#include "support/small_dags.h"
 
 namespace {
 
@@ -71,12 +71,14 @@ void compare(const char* scene, const char* kind, s::DagView dag,
         last[0] = one_round(rays, [&](const s::GridRay& r) {
             return trace_closest(dag, r, {0, 0, 0});
         });
-        last[1] = one_round(rays, [&](const s::GridRay& r) { return trace_by_lists(dag, r, {0, 0, 0}); });
+        last[1] = one_round(rays, [&](const s::GridRay& r) {
+            return trace_by_lists(dag, r, {0, 0, 0});
+        });
         for (int i = 0; i < 2; ++i) ns[i].push_back(last[i].ns);
     }
     for (auto& n : ns) std::nth_element(n.begin(), n.begin() + kRounds / 2, n.end());
     std::printf(
-        "%-10s %-8s %8zu rays, %3.0f %% hit   STEPS %5.0f ns %5.1f cells   LISTS %5.0f ns %5.1f "
+        "%-10s %-8s %8zu rays, %3.0f %% hit   steps %5.0f ns %5.1f cells   lists %5.0f ns %5.1f "
         "cells\n",
         scene, kind, rays.size(), 100 * last[0].hits, ns[0][kRounds / 2], last[0].steps,
         ns[1][kRounds / 2], last[1].steps);

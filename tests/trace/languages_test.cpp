@@ -23,7 +23,12 @@ const std::string kUseAll = R"(
     beam.t_min = 0.0f; beam.t_max = 9.0f; beam.spread = 0.1f;
     ray.t_min = beam_start(dag, beam, stop);
     GridHit hit = trace_closest(dag, ray, stop);
-    bool dark = trace_any(dag, leave_hit(ray, hit, vec3(0.0f, 1.0f, 0.0f)), stop);
+    LampDisc lamp; lamp.to_centre = vec3(0.0f, 1.0f, 0.0f); lamp.radius = 0.1f; lamp.t_end = 9.0f;
+    uint seed = pixel_seed(1u, 2u, 3u);
+    ray = leave_hit(ray, hit, vec3(0.0f, 1.0f, 0.0f));
+    int seen = lamp_samples_seen(dag, ray, hit.face, lamp, stop, 0, 4, seed) +
+               sky_samples_seen(dag, ray, hit.face, lamp.to_centre, 9.0f, stop, 0, 4, seed);
+    bool dark = seen == 0 && trace_any(dag, leave_hit(ray, hit, vec3(0.0f, 1.0f, 0.0f)), stop);
 )";
 
 std::string shared_text(std::initializer_list<const char*> files) {
@@ -58,7 +63,8 @@ TEST(SharedText, CompilesAsGlsl46Compute) {
         shared_text({"trace/shared_text.h"}) +
         "struct DagView { int depth; };\n"
         "uint dag_load(DagView dag, uint word) { return dag_words[word]; }\n" +
-        shared_text({"trace/traverse.h", "trace/beam.h"}) +
+        shared_text({"trace/traverse.h", "trace/beam.h", "render/sampling.h",
+                     "render/ambient_occlusion.h", "render/shadow.h"}) +
         "void main() { DagView dag; dag.depth = 9;\n" + kUseAll +
         "result[gl_GlobalInvocationID.x] = hit.path.x + uint(dark); }\n";
     std::string output;
@@ -76,7 +82,8 @@ TEST(SharedText, CompilesAsGlslEs300Fragment) {
         "struct DagView { int depth; };\n"
         "uint dag_load(DagView dag, uint word) {\n"
         "    return texelFetch(dag_words, ivec2(int(word & 4095u), int(word >> 12)), 0).x;\n}\n" +
-        shared_text({"trace/traverse.h", "trace/beam.h"}) +
+        shared_text({"trace/traverse.h", "trace/beam.h", "render/sampling.h",
+                     "render/ambient_occlusion.h", "render/shadow.h"}) +
         "void main() { DagView dag; dag.depth = 9;\n" + kUseAll +
         "color = vec4(hit.t, dark ? 1.0 : 0.0, 0.0, 1.0); }\n";
     std::string output;
@@ -90,6 +97,8 @@ TEST(SharedTextSlow, CompilesAsCuda) {
         "namespace octavo::shared { struct DagView { const uint* words; int depth; };\n"
         "OCTAVO_FN uint dag_load(DagView dag, uint word) { return dag.words[word]; } }\n"
         "#include \"octavo/trace/traverse.h\"\n#include \"octavo/trace/beam.h\"\n"
+        "#include \"octavo/render/sampling.h\"\n#include \"octavo/render/ambient_occlusion.h\"\n"
+        "#include \"octavo/render/shadow.h\"\n"
         "namespace octavo::shared { __global__ void run(DagView dag, uint* result) {\n" +
         kUseAll + "result[threadIdx.x] = hit.path.x + uint(dark); } }\n";
     std::string output;

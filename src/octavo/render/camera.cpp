@@ -99,11 +99,19 @@ Camera default_camera(const Box& box, const dvec3& up, double aspect) {
     const dvec3 x = glm::cross(y, z);
     const dvec3 towards_eye = glm::normalize(1.0 * x + 0.6 * y + 1.4 * z);
     const double fov = 4.0 * kTenDegrees;
-    // The sphere around the box just fits the narrower of the two fields of view.
-    const double narrow = std::atan(std::tan(0.5 * fov) * std::min(1.0, aspect));
-    const double radius = std::max(0.5 * glm::length(box.size()), 1e-30);
-    const dvec3 centre = box.centre();
-    return look_at(centre + towards_eye * (0.9 * radius / std::sin(narrow)), centre, y, fov);
+    const double slope = std::tan(0.5 * fov);
+    Camera camera = look_at(box.centre() + towards_eye, box.centre(), y, fov);
+    const dvec3 right = glm::cross(camera.forward, camera.up);
+    double distance = 1e-12;
+    for (int i = 0; i < 8; ++i) {
+        const dvec3 to_corner = (dvec3(i & 1, i >> 1 & 1, i >> 2) - 0.5) * box.size();
+        const double height = std::abs(glm::dot(to_corner, camera.up)) / slope;
+        const double width = std::abs(glm::dot(to_corner, right)) / (slope * aspect);
+        distance =
+            std::max(distance, std::max(height, width) - glm::dot(to_corner, camera.forward));
+    }
+    camera.eye = box.centre() + 1.04 * distance * towards_eye;
+    return camera;
 }
 
 Light sun_at(double azimuth, double elevation, const dvec3& up) {
@@ -116,7 +124,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
     sun.name = "sun";
     sun.direction = -(std::cos(elevation) * (std::sin(azimuth) * x + std::cos(azimuth) * z) +
                       std::sin(elevation) * y);
-    sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.9f;
+    sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.2f;
     return sun;
 }
 
@@ -125,7 +133,7 @@ Light default_sun(const Camera& camera, const dvec3& up) {
     const dvec3 z = any_perpendicular(y);
     const dvec3 x = glm::cross(y, z);
     const double behind = std::atan2(-glm::dot(camera.forward, x), -glm::dot(camera.forward, z));
-    return sun_at(behind - 4.5 * kTenDegrees, 4.8 * kTenDegrees, up);
+    return sun_at(behind - 5.5 * kTenDegrees, 4.2 * kTenDegrees, up);
 }
 
 }  // namespace octavo

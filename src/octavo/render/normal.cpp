@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/render/normal.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -109,10 +110,21 @@ Block connected_space(const Block& occupied, const ivec3& from) {
     return space;
 }
 
-/// The sum of the faces between the occupied cells of the window and the space.
-ivec3 sum_of_faces(const Block& occupied, const Block& space, int radius, const Layer& within) {
+/// Faces between occupied cells and the space: their sum as vectors, and their number.
+struct Faces {
+    ivec3 sum{0};
+    int count = 0;
+
+    void add(int axis, int upwards, int downwards) {
+        sum[axis] += upwards - downwards;
+        count += upwards + downwards;
+    }
+};
+
+/// Adds the faces of the occupied cells inside a window.
+void add_faces(const Block& occupied, const Block& space, int radius, const Layer& within,
+               Faces& faces) {
     const Layer nothing;
-    ivec3 sum(0);
     for (int z = kRadius - radius; z <= kRadius + radius; ++z) {
         const auto k = static_cast<std::size_t>(z);
         const Layer cells =
@@ -124,21 +136,64 @@ ivec3 sum_of_faces(const Block& occupied, const Block& space, int radius, const 
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint64_t s = space[k].words[i];
             const std::uint64_t c = cells.words[i];
-            sum.x += std::popcount(c << 1 & s) - std::popcount(c >> 1 & s);
-            sum.y += std::popcount(up.words[i] & s) - std::popcount(down.words[i] & s);
-            sum.z += std::popcount(c & above.words[i]) - std::popcount(c & below.words[i]);
+            faces.add(0, std::popcount(c << 1 & s), std::popcount(c >> 1 & s));
+            faces.add(1, std::popcount(up.words[i] & s), std::popcount(down.words[i] & s));
+            faces.add(2, std::popcount(c & above.words[i]), std::popcount(c & below.words[i]));
         }
     }
-    return sum;
+}
+
+/// Does this cell hold a voxel? False outside the grid.
+bool cell_exists(const shared::DagView& dag, const ivec3& cell, int height) {
+    const int levels = dag.depth - height;
+    if (glm::any(glm::notEqual(cell >> levels, ivec3(0)))) return false;
+    std::uint32_t word = 0;
+    shared::uvec2 leaf(0);
+    std::uint32_t children = 0;
+    int child = 0;
+    for (int h = dag.depth; h > height; --h) {
+        if (h > 2) {
+            children = dag_load(dag, word) & 255u;
+        } else if (h == 2) {
+            leaf = {dag_load(dag, word), dag_load(dag, word + 1)};
+            children = shared::leaf_children(leaf);
+        } else {
+            children = shared::leaf_voxels(leaf, child);
+        }
+        child = shared::child_number(cell >> (h - 1 - height) & 1);
+        if (!(children >> child & 1u)) return false;
+        if (h > 2) word = shared::load_child(dag, word, 1u << child);
+    }
+    return true;
+}
+
+ivec3 step_across(int face) {
+    ivec3 step(0);
+    step[face / 2] = face % 2 == 1 ? 1 : -1;
+    return step;
 }
 
 }  // namespace
 
+shared::GridHit move_to_open_face(const shared::DagView& dag, const shared::GridRay& ray,
+                                  shared::GridHit hit) noexcept {
+    const ivec3 cell(hit.path);
+    if (hit.height == 0 || hit.face >= shared::kFaceInside ||
+        !cell_exists(dag, cell + step_across(hit.face), hit.height))
+        return hit;
+    float best = 0.0f;
+    for (int face = 0; face < shared::kFaceInside; ++face) {
+        const float towards = -glm::dot(vec3(step_across(face)), ray.dir);
+        if (towards <= best || cell_exists(dag, cell + step_across(face), hit.height)) continue;
+        best = towards;
+        hit.face = face;
+    }
+    return hit;
+}
+
 vec3 face_normal(const shared::GridRay& ray, const shared::GridHit& hit) noexcept {
     if (hit.face >= shared::kFaceInside) return -glm::normalize(ray.dir);
-    vec3 normal(0.0f);
-    normal[hit.face / 2] = hit.face % 2 == 1 ? 1.0f : -1.0f;
-    return normal;
+    return vec3(step_across(hit.face));
 }
 
 vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
@@ -150,11 +205,19 @@ vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
     const ivec3 corner = -(ivec3(hit.path) - kRadius);
     gather(dag, 0, shared::uvec2(0), dag.depth, hit.height, corner, occupied);
     const Block space = connected_space(occupied, ivec3(kRadius) + ivec3(face));
-    ivec3 sum(0);
+    Faces faces;
     for (std::size_t i = 0; i < kWindows.size(); ++i)
-        sum += sum_of_faces(occupied, space, kWindowRadii[i], kWindows[i]);
-    const vec3 normal(sum);
-    return sum == ivec3(0) ? face : glm::normalize(normal);
+        add_faces(occupied, space, kWindowRadii[i], kWindows[i], faces);
+
+    // The steps of a plane add up to at least 1 / sqrt(3) of their number. Where faces cancel, as
+    // at the edge of a thin sheet, both sides of which can be seen, the face that was hit decides.
+    const vec3 sum(faces.sum);
+    const float missing =
+        std::max(0.0f, 0.577f * static_cast<float>(faces.count) - glm::length(sum));
+    vec3 normal = sum + missing * face;
+    if (glm::dot(normal, face) <= 0.0f) normal -= glm::dot(normal, face) * face;
+    const float length = glm::length(normal);
+    return length > 0.0f ? normal / length : face;
 }
 
 }  // namespace octavo

@@ -54,7 +54,7 @@ const vec3 kZenith(0.30f, 0.47f, 0.78f);
 const vec3 kHorizon(0.80f, 0.86f, 0.93f);
 const vec3 kGround(0.42f, 0.39f, 0.35f);
 /// The sky's light on a surface that sees all of it, for an albedo of one.
-const vec3 kSkyLight(0.36f, 0.44f, 0.58f);
+const vec3 kSkyLight(0.40f, 0.47f, 0.60f);
 const vec3 kGroundLight(0.22f, 0.19f, 0.16f);
 
 /// How far secondary rays of a smoothed surface start above it, in cells: the steps of a slanted
@@ -89,7 +89,7 @@ public:
                                : default_sun(checked_camera(dag, grid, options), options.up)) {
         const Box bounds = content_bounds(dag, grid);
         const double diagonal = bounds.empty() ? 1.0 : glm::length(bounds.size());
-        const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.1 * diagonal;
+        const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
         ao_radius_ = static_cast<float>(radius / grid.voxel_size);
         ao_stop_.cone = static_cast<float>(options.ao_cone);
         primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
@@ -135,7 +135,8 @@ private:
             if (!rays_.sees_nothing() && start < ray.t_max)
                 hit = trace_closest(dag_, ray, primary_stop_);
             const bool found = hit.face != shared::kFaceNone;
-            sum += found ? shade(ray, hit, i, seed, normals) : sky(dir);
+            sum +=
+                found ? shade(ray, move_to_open_face(dag_, ray, hit), i, seed, normals) : sky(dir);
             if (i == 0)
                 depth = found ? static_cast<float>((rays_.t_before() + hit.t) * grid_.voxel_size)
                               : std::numeric_limits<float>::infinity();
@@ -164,10 +165,8 @@ private:
         int face = hit.face;
         if (options_.smooth_normals) {
             normal = normals.get(dag_, ray, hit);
-            const vec3 lifted = start.frac + kLift * static_cast<float>(1 << hit.height) * normal;
-            start.cell += ivec3(glm::floor(lifted));
-            start.frac = lifted - glm::floor(lifted);
-            face = shared::kFaceNone;
+            if (lift(start, kLift * static_cast<float>(1 << hit.height) * normal))
+                face = shared::kFaceNone;
         }
 
         float open = 1.0f;
@@ -180,6 +179,22 @@ private:
         const float facing_up = 0.5f + 0.5f * glm::dot(normal, vec3(up_));
         const vec3 ambient = open * glm::mix(kGroundLight, kSkyLight, facing_up);
         return kClay * (ambient + direct_light(start, face, normal, i, seed));
+    }
+
+    /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
+    /// crevice, where the point would be black. False where it cannot.
+    [[nodiscard]] bool lift(shared::GridRay& start, const vec3& way) const {
+        for (const float part : {1.0f, 0.6f, 0.3f}) {
+            shared::GridRay lifted = start;
+            const vec3 frac = start.frac + part * way;
+            lifted.cell += ivec3(glm::floor(frac));
+            lifted.frac = frac - glm::floor(frac);
+            lifted.t_max = 1e-4f;
+            if (trace_any(dag_, lifted, {0, 0.0f, 0.0f})) continue;
+            start = lifted;
+            return true;
+        }
+        return false;
     }
 
     /// Irradiance of the lamp, over pi.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "octavo/core/grid.h"
@@ -13,7 +14,8 @@ namespace octavo {
 
 enum class Shadows { none, hard, soft };
 
-/// What a picture is made of. All counts of rays are per pixel, whatever `samples` is.
+/// What a picture is made of. Counts of rays are per pixel, shared out evenly among its `samples`
+/// and rounded up to a multiple of them; hard shadows take one for each sample.
 struct RenderOptions {
     int width = 1280;
     int height = 720;
@@ -27,7 +29,7 @@ struct RenderOptions {
     int shadow_samples = 16;
 
     int ao_samples = 64;     // 0: no ambient occlusion
-    double ao_radius = 0.0;  // world units; 0: a tenth of the diagonal of the voxels' bounds
+    double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
     double ao_cone = 0.0;  // radians: an ambient ray may stop at cells that look smaller; 0: never
 
     int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre
@@ -67,7 +69,7 @@ struct RenderOptions {
 /// `up`, towards +x) and elevation above the horizon; radians.
 [[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
 
-/// The warm sun of the default picture: 35 degrees to the camera's left, 50 degrees high.
+/// The warm sun of the default picture: 55 degrees to the camera's left, 42 degrees high.
 [[nodiscard]] Light default_sun(const Camera& camera, const dvec3& up);
 
 }  // namespace octavo

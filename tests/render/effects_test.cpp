@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/render/effects.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "support/exact_trace.h"
+#include "support/random_rays.h"
+#include "support/small_dags.h"
+
+namespace octavo {
+namespace {
+
+namespace s = shared;
+constexpr s::Stop kToVoxels{0, 0.0f, 0.0f};
+
+/// A floor of voxels z < 8, and a wall of voxels x < 8 if wanted.
+Dag room_corner(int depth, bool wall) {
+    return test::dag_of(
+        depth, [](const uvec3&, std::uint32_t) { return true; },
+        [wall](const uvec3& v) { return v.z < 8 || (wall && v.x < 8); });
+}
+
+s::GridRay on_floor(float x, float y) {
+    return {ivec3(static_cast<int>(x), static_cast<int>(y), 8), vec3(0.5f, 0.5f, 0.0f),
+            vec3(0, 0, 1), 0.0f, 1e30f};
+}
+
+TEST(Sampling, EveryPowerOfTwoFillsTheSquareEvenly) {
+    for (const std::uint32_t seed : {1u, 77u, 123456u})
+        for (const std::uint32_t n : {4u, 16u, 64u, 256u}) {
+            // One sample in each column, in each row and in each cell of the finest square grid.
+            const auto root = static_cast<std::uint32_t>(std::sqrt(n));
+            std::set<std::uint32_t> columns, rows, cells, segments;
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const vec2 p = s::sample_2d(i, seed);
+                ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+                columns.insert(static_cast<std::uint32_t>(p.x * static_cast<float>(n)));
+                rows.insert(static_cast<std::uint32_t>(p.y * static_cast<float>(n)));
+                const vec2 cell = p * static_cast<float>(root);
+                cells.insert(static_cast<std::uint32_t>(cell.x) +
+                             root * static_cast<std::uint32_t>(cell.y));
+                segments.insert(
+                    static_cast<std::uint32_t>(s::sample_1d(i, seed) * static_cast<float>(n)));
+            }
+            EXPECT_EQ(columns.size(), n) << seed;
+            EXPECT_EQ(rows.size(), n) << seed;
+            EXPECT_EQ(cells.size(), n) << seed;
+            EXPECT_EQ(segments.size(), n) << seed;
+        }
+}
+
+TEST(Sampling, CosineDirectionsAverageToTwoThirdsOfTheNormal) {
+    test::RandomRays random(1, 1);
+    for (int k = 0; k < 20; ++k) {
+        const vec3 n(random.direction());
+        vec3 sum(0.0f);
+        for (std::uint32_t i = 0; i < 1024; ++i) {
+            const vec3 d = s::cosine_direction(n, s::sample_2d(i, 5));
+            ASSERT_NEAR(glm::length(d), 1.0f, 1e-5f);
+            ASSERT_GE(glm::dot(d, n), -1e-6f);
+            sum += d / 1024.0f;
+        }
+        EXPECT_LT(glm::length(sum - n * (2.0f / 3.0f)), 0.01f);
+    }
+}
+
+TEST(AmbientOcclusion, OpenPlaneIsNotOccludedAtAll) {
+    const Dag dag = room_corner(6, false);
+    for (float x = 1; x < 63; x += 7)
+        EXPECT_EQ(sky_samples_seen(s::view(dag), on_floor(x, 20), 5, vec3(0, 0, 1), 1e6f, kToVoxels,
+                                   0, 256, 3u),
+                  256);
+}
+
+TEST(AmbientOcclusion, WallOccludesWhatTheIntegralSays) {
+    const Dag dag = room_corner(8, true);
+    const double radius = 60.0;
+    for (const double distance : {0.5, 4.5, 15.5, 30.5, 59.5}) {
+        // Cosine-distributed directions are even on the unit disc; u is the component towards the
+        // wall, at distance / u along the ray, which counts 1 - distance / (u radius).
+        const double least = distance / radius;
+        double expected = 0.0;
+        const int steps = 100000;
+        for (int i = 0; i < steps; ++i) {
+            const double u = least + (1.0 - least) * (i + 0.5) / steps;
+            expected += 2.0 / 3.141592653589793 * (1.0 - least / u) * std::sqrt(1.0 - u * u) *
+                        (1.0 - least) / steps;
+        }
+        const int n = 1 << 14;
+        const s::GridRay start = on_floor(static_cast<float>(8 + std::floor(distance)), 128);
+        const int seen = sky_samples_seen(s::view(dag), start, 5, vec3(0, 0, 1),
+                                          static_cast<float>(radius), kToVoxels, 0, n, 11u);
+        EXPECT_NEAR(1.0 - static_cast<double>(seen) / n, expected, 0.004) << distance;
+    }
+}
+
+TEST(AmbientOcclusion, StoppingAtASolidAngleOnlyDarkens) {
+    const Dag dag = test::dust(8, 0.5, 2);
+    test::RandomRays random(8, 256);
+    for (int k = 0; k < 300; ++k) {
+        const Ray world = random(test::RandomRays::inside);
+        const s::GridRay start{ivec3(world.origin), vec3(world.origin - glm::floor(world.origin)),
+                               vec3(0, 0, 1), 0.0f, 1e30f};
+        const auto seen = [&](float cone) {
+            return sky_samples_seen(s::view(dag), start, s::kFaceNone, vec3(0, 0, 1), 60.0f,
+                                    {0, cone, 0.0f}, 0, 64, 5u);
+        };
+        EXPECT_LE(seen(0.15f), seen(0.0f));
+    }
+}
+
+TEST(Shadow, LampSamplesAgreeWithRaysInDouble) {
+    const Dag dag = test::dust(7, 0.5, 3);
+    test::RandomRays random(9, 128);
+    int lit = 0;
+    int dark = 0;
+    int different = 0;
+    for (int k = 0; k < 400; ++k) {
+        const Ray world = random(test::RandomRays::inside);
+        const s::GridRay start{ivec3(world.origin), vec3(world.origin - glm::floor(world.origin)),
+                               vec3(0, 0, 1), 0.0f, 1e30f};
+        const bool sun = k % 2 == 0;
+        const s::LampDisc lamp{sun ? vec3(random.direction()) : vec3(random.direction()) * 30.0f,
+                               sun ? 0.1f : 3.0f, sun ? 1e30f : 1.0f};
+        for (int i = 0; i < 16; ++i) {
+            const bool seen = lamp_samples_seen(s::view(dag), start, s::kFaceNone, lamp, kToVoxels,
+                                                i, i + 1, 7u) == 1;
+            const vec2 disc =
+                lamp.radius * s::disc_point(s::sample_2d(static_cast<std::uint32_t>(i), 7u));
+            const vec3 dir =
+                lamp.to_centre + s::from_frame(glm::normalize(lamp.to_centre), vec3(disc, 0.0f));
+            const bool blocked = test::trace_exact(dag, {dvec3(start.cell) + dvec3(start.frac),
+                                                         dvec3(dir), 0.0, lamp.t_end})
+                                     .found;
+            different += seen == blocked;
+            ++(seen ? lit : dark);
+        }
+    }
+    EXPECT_LE(different, 2);
+    EXPECT_GT(lit, 200);
+    EXPECT_GT(dark, 200);
+}
+
+}  // namespace
+}  // namespace octavo
