@@ -64,6 +64,40 @@ inline constexpr auto kCellOfCode = [] {
     return table;
 }();
 
+namespace detail {
+
+// As HWY_ALIGN would: for the widest vectors.
+struct alignas(64) CellLanes {
+    std::int32_t lanes[64];
+    constexpr operator const std::int32_t*() const { return lanes; }
+};
+struct alignas(64) SquareLanes {
+    std::int32_t lanes[16];
+    constexpr operator const std::int32_t*() const { return lanes; }
+};
+
+}  // namespace detail
+
+/// x, y and z of the cells of a window, in Morton order.
+inline constexpr auto kCellCoordinates = [] {
+    std::array<detail::CellLanes, 3> table{};
+    for (unsigned code = 0; code < 64; ++code)
+        for (int axis = 0; axis < 3; ++axis)
+            table[static_cast<unsigned>(axis)].lanes[code] =
+                static_cast<std::int32_t>(detail::component(morton_decode(code), axis));
+    return table;
+}();
+
+/// u and v of the squares u + 4v of a projection.
+inline constexpr auto kSquareCoordinates = [] {
+    std::array<detail::SquareLanes, 2> table{};
+    for (int square = 0; square < 16; ++square) {
+        table[0].lanes[square] = square & 3;
+        table[1].lanes[square] = square >> 2;
+    }
+    return table;
+}();
+
 /// The cells with first <= coordinate <= last on this axis. first 0 to 4, last -1 to 3.
 [[nodiscard]] inline std::uint64_t cells_from_to(int axis, int first, int last) {
     return detail::kSlabs[static_cast<unsigned>(axis)][static_cast<unsigned>(first * 5 + last + 1)];

@@ -44,11 +44,18 @@ HWY_INLINE std::uint64_t negative(D d, hn::Vec<D> v) {
 /// step >= 0: so the wide part is done once for a window and the lanes need few bits, without
 /// rounding anywhere.
 class TriangleCells {
-    static constexpr int kEdges = 9;  // 3 projections x 3 edges
+    static constexpr int kEdges = 9;       // 3 projections x 3 edges
+    static constexpr int kEdgeLanes = 16;  // a whole number of vectors
 
     // A window of cells against the plane: a cell passes when 0 <= value + step(cell) <= last.
     struct PlaneValue {
         std::int64_t value, last;
+    };
+
+    // A window of cells against the edges: a cell passes when value + step(cell) >= 0 for each
+    // edge.
+    struct EdgeValues {
+        HWY_ALIGN std::int32_t value[kEdgeLanes];
     };
 
 public:
@@ -60,15 +67,17 @@ public:
     /// The 4x4x4 cells of 2^shift units from this corner that the triangle meets, in Morton order.
     HWY_INLINE std::uint64_t cells(const ivec3& corner, int shift) const {
         const PlaneValue plane = plane_value(corner, shift, cell_plane_);
-        return in_bounds(corner, shift) & on_plane(plane) &
-               in_projections(edge_values(corner, shift, edge_offset_));
+        EdgeValues edges;
+        edge_values(corner, shift, edge_offset_, edges);
+        return in_bounds(corner, shift) & on_plane(plane) & in_projections(edges);
     }
 
     /// The 4x4x4 voxels from this corner that the triangle marks by the rule.
     HWY_INLINE std::uint64_t voxels(const ivec3& corner) const {
         const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
-        return in_bounds(corner, voxel_shift_) & on_plane(plane) &
-               in_projections(edge_values(corner, voxel_shift_, voxel_edge_offset_));
+        EdgeValues edges;
+        edge_values(corner, voxel_shift_, voxel_edge_offset_, edges);
+        return in_bounds(corner, voxel_shift_) & on_plane(plane) & in_projections(edges);
     }
 
     /// The blocks of 4x4x4 voxels in a window of 4x4x4 blocks.
@@ -80,7 +89,8 @@ public:
     HWY_INLINE Blocks blocks(const ivec3& corner) const {
         const int shift = voxel_shift_ + 2;
         const PlaneValue plane = plane_value(corner, shift, cell_plane_);
-        const EdgeValues edges = edge_values(corner, shift, edge_offset_);
+        EdgeValues edges;
+        edge_values(corner, shift, edge_offset_, edges);
         Blocks blocks;
         blocks.met = in_bounds(corner, shift) & on_plane(plane) & in_projections(edges);
         blocks.inside = blocks.met & inside_main_projection(edges);
@@ -95,40 +105,42 @@ public:
             : triangle_(triangle),
               corner_(corner),
               plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)) {
-            triangle.wide_edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset_,
-                                      edges_);
+            triangle.edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset_,
+                                 edges_);
         }
 
-        /// The voxels of the block with this Morton code in the window. The block is one that was
-        /// met.
+        /// The voxels of the block with this Morton code in the window.
         HWY_INLINE std::uint64_t voxels(unsigned code) const {
             const TriangleCells& t = triangle_;
             const ivec3& block = kCellOfCode[code];
-            std::int64_t wide[kEdges];
-            for (int p = 0; p < 3; ++p) {
-                const std::int64_t u = 4 * block[p], v = 4 * block[p == 2 ? 0 : p + 1];
-                for (int e = 3 * p; e < 3 * p + 3; ++e)
-                    wide[e] = edges_[e] + t.edge_u_[e] * u + t.edge_v_[e] * v;
+            const auto x = hn::Set(kInt32, 4 * block.x);
+            const auto y = hn::Set(kInt32, 4 * block.y);
+            const auto z = hn::Set(kInt32, 4 * block.z);
+            EdgeValues edges;
+            for (int e = 0; e < kEdgeLanes; e += kLanes32) {
+                const auto along_x = hn::Mul(hn::Load(kInt32, t.edge_axes_[0] + e), x);
+                const auto along_y = hn::Mul(hn::Load(kInt32, t.edge_axes_[1] + e), y);
+                const auto along_z = hn::Mul(hn::Load(kInt32, t.edge_axes_[2] + e), z);
+                const auto here = hn::Load(kInt32, edges_.value + e);
+                hn::Store(hn::Add(hn::Add(here, along_x), hn::Add(along_y, along_z)), kInt32,
+                          edges.value + e);
             }
             return t.in_bounds(corner_ + (block << (t.voxel_shift_ + 2)), t.voxel_shift_) &
-                   voxels_of_plane(code) & t.in_projections(clamped(wide));
+                   voxels_of_plane(code) & t.in_projections(edges);
         }
 
         /// The same for a block that is inside.
         HWY_INLINE std::uint64_t voxels_of_plane(unsigned code) const {
             const std::int64_t* steps = triangle_.exact_plane_steps_;
-            const std::int64_t value = plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]);
-            // As the plane meets the block, the value is within the block's own steps: it needs no
-            // clamping.
             return triangle_.on_plane(
-                value, static_cast<std::int32_t>(value >> triangle_.plane_low_bits_), plane_.last);
+                {plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]), plane_.last});
         }
 
     private:
         const TriangleCells& triangle_;
         ivec3 corner_;
         PlaneValue plane_;
-        std::int64_t edges_[kEdges];
+        EdgeValues edges_;
     };
 
 private:
@@ -137,14 +149,23 @@ private:
     static constexpr int kLanes32 = static_cast<int>(hn::MaxLanes(kInt32));
     static constexpr int kLanes64 = static_cast<int>(hn::MaxLanes(kInt64));
 
+    static HWY_INLINE hn::Vec<decltype(kInt32)> load(const std::int32_t* lanes) {
+        return hn::Load(kInt32, lanes);
+    }
+
+    /// Lanes i.. of  a x + b y + c.
+    static HWY_INLINE hn::Vec<decltype(kInt32)> linear(int i, std::int32_t a, const std::int32_t* x,
+                                                       std::int32_t b, const std::int32_t* y,
+                                                       hn::Vec<decltype(kInt32)> c) {
+        return hn::Add(hn::Add(hn::Mul(hn::Set(kInt32, a), load(x + i)),
+                               hn::Mul(hn::Set(kInt32, b), load(y + i))),
+                       c);
+    }
+
     // The plane passes a cell when 0 <= low + n . (corner - vertex) <= range.
     struct PlaneTest {
         std::int64_t low;    // in 2^(shift - 1), so that half a voxel is whole
         std::int64_t range;  // in 2^shift
-    };
-
-    struct EdgeValues {
-        std::int32_t value[kEdges];
     };
 
     HWY_INLINE std::uint64_t in_bounds(const ivec3& corner, int shift) const {
@@ -175,18 +196,13 @@ private:
                 test.range - (exact ? 0 : 1)};
     }
 
-    HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane) const {
-        constexpr std::int64_t kFar = 1 << 30;
-        const std::int64_t high = std::clamp(plane.value >> plane_low_bits_, -kFar, kFar);
-        return on_plane(plane.value, static_cast<std::int32_t>(high), plane.last);
-    }
-
     /// The cells of a window whose value and step are on the plane. Normals have up to 51 bits; the
     /// 26 highest decide nearly always, and where they do not all bits are asked.
-    /// @param high  value without its plane_low_bits_, clamped to 31 bits
-    HWY_INLINE std::uint64_t on_plane(std::int64_t value, std::int32_t high,
-                                      std::int64_t last) const {
-        const auto high_last = static_cast<std::int32_t>(last >> plane_low_bits_);
+    HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane) const {
+        constexpr std::int64_t kFar = 1 << 30;
+        const auto high =
+            static_cast<std::int32_t>(std::clamp(plane.value >> plane_low_bits_, -kFar, kFar));
+        const auto high_last = static_cast<std::int32_t>(plane.last >> plane_low_bits_);
         const auto v = hn::Set(kInt32, high);
         const auto r = hn::Set(kInt32, high_last);
         if (plane_low_bits_ == 0) {
@@ -206,17 +222,17 @@ private:
             off |= negative(kInt32, hn::Or(hn::Add(w, slack), hn::Sub(r, w))) << i;
             maybe_off |= negative(kInt32, hn::Or(w, hn::Sub(sure_last, w))) << i;
         }
-        return HWY_LIKELY(off == maybe_off) ? ~off : on_plane_exactly(value, last);
+        return HWY_LIKELY(off == maybe_off) ? ~off : on_plane_exactly(plane);
     }
 
-    HWY_NOINLINE std::uint64_t on_plane_exactly(std::int64_t value, std::int64_t last) const {
-        const auto r = hn::Set(kInt64, last);
+    HWY_NOINLINE std::uint64_t on_plane_exactly(const PlaneValue& plane) const {
+        const auto r = hn::Set(kInt64, plane.last);
         std::uint64_t off = 0;
         for (int eighth = 0; eighth < 8; ++eighth) {  // (x1, y1, z1) of the Morton code
             const std::int64_t step =
                 2 * ((eighth & 1) * normal_[0] + (eighth >> 1 & 1) * normal_[1] +
                      (eighth >> 2) * normal_[2]);
-            const auto v = hn::Set(kInt64, value + step);
+            const auto v = hn::Set(kInt64, plane.value + step);
             for (int i = 0; i < 8; i += kLanes64) {
                 const auto w = hn::Add(hn::Load(kInt64, exact_plane_steps_ + i), v);
                 off |= negative(kInt64, hn::Or(w, hn::Sub(r, w))) << (8 * eighth + i);
@@ -225,29 +241,19 @@ private:
         return ~off;
     }
 
-    HWY_INLINE void wide_edge_values(const ivec3& corner, int shift, const std::int64_t* offset,
-                                     std::int64_t* wide) const {
+    HWY_INLINE void edge_values(const ivec3& corner, int shift, const std::int64_t* offset,
+                                EdgeValues& out) const {
         for (int p = 0; p < 3; ++p) {
             const std::int64_t u = corner[p], v = corner[p == 2 ? 0 : p + 1];
-            for (int e = 3 * p; e < 3 * p + 3; ++e)
-                wide[e] = (edge_u_[e] * u + edge_v_[e] * v + offset[e]) >> shift;
+            for (int e = 3 * p; e < 3 * p + 3; ++e) {
+                const std::int64_t wide = (edge_u_[e] * u + edge_v_[e] * v + offset[e]) >> shift;
+                // Over 16 cells a value changes by less than this: beyond it the sign is decided.
+                // As an edge is shorter than 2^25 units, twice the bound fits.
+                const std::int64_t far = 16 * std::int64_t{edge_reach_[e]} + 1;
+                out.value[e] = static_cast<std::int32_t>(std::max(std::min(wide, far), -far));
+            }
         }
-    }
-
-    static HWY_INLINE EdgeValues clamped(const std::int64_t* wide) {
-        // A step is below 2^28: beyond this bound its sign is the value's.
-        constexpr std::int64_t kFar = 1 << 29;
-        EdgeValues values;
-        for (int e = 0; e < kEdges; ++e)
-            values.value[e] = static_cast<std::int32_t>(std::clamp(wide[e], -kFar, kFar));
-        return values;
-    }
-
-    HWY_INLINE EdgeValues edge_values(const ivec3& corner, int shift,
-                                      const std::int64_t* offset) const {
-        std::int64_t wide[kEdges];
-        wide_edge_values(corner, shift, offset, wide);
-        return clamped(wide);
+        for (int e = kEdges; e < kEdgeLanes; ++e) out.value[e] = 0;
     }
 
     /// The squares u + 4v of a projection for which all three edge tests, less `reach`, hold.
@@ -282,9 +288,10 @@ private:
     // Steps of each edge test over the squares u + 4v of its projection, from the square's best
     // corner.
     HWY_ALIGN std::int32_t edge_steps_[kEdges][16];
-    HWY_ALIGN std::int32_t plane_steps_[64];        // in Morton order, without plane_low_bits_
-    HWY_ALIGN std::int64_t exact_plane_steps_[8];   // of the first 2x2x2 cells, all bits
-    std::int64_t edge_u_[kEdges], edge_v_[kEdges];  // inward normals of the projected edges
+    HWY_ALIGN std::int32_t plane_steps_[64];           // in Morton order, without plane_low_bits_
+    HWY_ALIGN std::int64_t exact_plane_steps_[8];      // of the first 2x2x2 cells, all bits
+    HWY_ALIGN std::int32_t edge_axes_[3][kEdgeLanes];  // the edges' inward normals along x, y and z
+    std::int64_t edge_u_[kEdges], edge_v_[kEdges];     // the same along their projection's u and v
     std::int64_t edge_offset_[kEdges];
     std::int64_t voxel_edge_offset_[kEdges];
     std::int32_t edge_reach_[kEdges];  // |u| + |v|: across a cell
@@ -342,13 +349,16 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
     std::int32_t high[3];
     for (int axis = 0; axis < 3; ++axis)
         high[axis] = static_cast<std::int32_t>(normal_[axis] >> plane_low_bits_);
-    for (unsigned code = 0; code < 64; ++code)
-        plane_steps_[code] = high[0] * kCellOfCode[code].x + high[1] * kCellOfCode[code].y +
-                             high[2] * kCellOfCode[code].z;
+    for (int i = 0; i < 64; i += kLanes32)
+        hn::Store(linear(i, high[0], kCellCoordinates[0], high[1], kCellCoordinates[1],
+                         hn::Mul(hn::Set(kInt32, high[2]), load(kCellCoordinates[2] + i))),
+                  kInt32, plane_steps_ + i);
     for (int i = 0; i < 8; ++i)
         exact_plane_steps_[i] =
             (i & 1) * normal_[0] + (i >> 1 & 1) * normal_[1] + (i >> 2) * normal_[2];
 
+    for (auto& along_axis : edge_axes_)
+        for (std::int32_t& step : along_axis) step = 0;
     for (int p = 0; p < 3; ++p) {
         const int u = p, v = p == 2 ? 0 : p + 1;
         for (int k = 0; k < 3; ++k) {
@@ -362,8 +372,12 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
             edge_reach_[e] = std::abs(nu) + std::abs(nv);
             edge_offset_[e] = -(edge_u_[e] * from[u] + edge_v_[e] * from[v]);
             const std::int32_t best_corner = std::max(nu, 0) + std::max(nv, 0);
-            for (int i = 0; i < 16; ++i)
-                edge_steps_[e][i] = (i & 3) * nu + (i >> 2) * nv + best_corner;
+            for (int i = 0; i < 16; i += kLanes32)
+                hn::Store(linear(i, nu, kSquareCoordinates[0], nv, kSquareCoordinates[1],
+                                 hn::Set(kInt32, best_corner)),
+                          kInt32, edge_steps_[e] + i);
+            edge_axes_[u][e] = nu;
+            edge_axes_[v][e] = nv;
 
             voxel_edge_offset_[e] = edge_offset_[e];
             if (thin) {

@@ -29,6 +29,11 @@ struct CellRange {
         const ivec3 size = last - first;
         return std::max({size.x, size.y, size.z}) + 1;
     }
+    /// For small ranges.
+    [[nodiscard]] int count() const {
+        const ivec3 size = last - first + 1;
+        return size.x * size.y * size.z;
+    }
     /// The cells of this range in the window of 4x4x4 cells that starts where it starts.
     [[nodiscard]] std::uint64_t in_window() const {
         const ivec3 size = glm::min(last - first, 3);
@@ -148,6 +153,14 @@ private:
 
     // Up to 4x4x4 blocks, anywhere.
     void add_blocks(const TriangleCells& triangle, const CellRange& blocks) {
+        constexpr int kFew = 4;  // to ask which of them are met costs more than to fill them
+        if (blocks.count() <= kFew) {
+            const TriangleCells::BlockVoxels voxels(triangle, space_.corner(blocks.first, 2));
+            for_each_cell(blocks.in_window(), [&](unsigned code) {
+                set_block(code_in_tile(blocks.first + kCellOfCode[code]), voxels.voxels(code));
+            });
+            return;
+        }
         fill_window(triangle, blocks.first, blocks.in_window(),
                     [&](unsigned code) { return code_in_tile(blocks.first + kCellOfCode[code]); });
     }
