@@ -182,16 +182,22 @@ private:
     }
 
     HWY_INLINE PlaneValue plane_value(const ivec3& corner, int shift, const PlaneTest& test) const {
-        const Int128 value = Int128{normal_[0]} * (corner.x - vertex_.x) +
-                             Int128{normal_[1]} * (corner.y - vertex_.y) +
-                             Int128{normal_[2]} * (corner.z - vertex_.z) +
-                             ((Int128{test.low} << shift) >> 1);
-        const Int128 quotient = value >> shift;
+        return short_plane_ ? plane_value_in<std::int64_t>(corner, shift, test)
+                            : plane_value_in<Int128>(corner, shift, test);
+    }
+
+    template <class Int>
+    HWY_INLINE PlaneValue plane_value_in(const ivec3& corner, int shift,
+                                         const PlaneTest& test) const {
+        const Int value =
+            Int{normal_[0]} * (corner.x - vertex_.x) + Int{normal_[1]} * (corner.y - vertex_.y) +
+            Int{normal_[2]} * (corner.z - vertex_.z) + ((Int{test.low} << shift) >> 1);
+        const Int quotient = value >> shift;
         // value + s <= range, in whole 2^shift, is quotient + s <= range; where a remainder was cut
         // off, one less.
         const bool exact = quotient << shift == value;
         // Steps within a window of windows stay below 2^57: beyond twice that the sign is decided.
-        constexpr Int128 kFar = std::int64_t{1} << 58;
+        constexpr Int kFar = std::int64_t{1} << 58;
         return {static_cast<std::int64_t>(std::clamp(quotient, -kFar, kFar)),
                 test.range - (exact ? 0 : 1)};
     }
@@ -298,6 +304,7 @@ private:
     std::int64_t normal_[3];
     PlaneTest cell_plane_, voxel_plane_;
     ivec3 vertex_, bounds_low_, bounds_high_;
+    bool short_plane_;  // 64 bits hold the plane's value wherever a window can lie
     int plane_low_bits_;
     int main_projection_;
     int voxel_shift_;
@@ -343,6 +350,8 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
     voxel_plane_ =
         thin ? PlaneTest{normal_[0] + normal_[1] + normal_[2] + largest, largest} : cell_plane_;
 
+    // A window's corner is at most 2^27 units from a vertex, or a window wide.
+    short_plane_ = largest < std::int64_t{1} << 32;
     // 26 bits, so that 9 steps and a value of 30 bits fit 32.
     plane_low_bits_ = 0;
     while (largest >> plane_low_bits_ > 1 << 26) ++plane_low_bits_;

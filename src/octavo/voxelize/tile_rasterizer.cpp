@@ -98,6 +98,20 @@ HWY_INLINE int fit_window(CellRange& range, int bits) {
     return bits;
 }
 
+/// Bit i of a coordinate inside a tile at bit 3i: a load is faster than to shift the bits apart.
+constexpr auto kSpread = [] {
+    std::array<std::uint32_t, std::size_t{1} << kMaxTileDepth> table{};
+    for (std::uint32_t i = 0; i < table.size(); ++i)
+        table[i] = static_cast<std::uint32_t>(morton_encode({i, 0, 0}));
+    return table;
+}();
+
+/// Morton code of a position inside a tile, in voxels or blocks.
+HWY_INLINE std::uint32_t code_in_tile(const ivec3& position) {
+    const uvec3 p(position);
+    return kSpread[p.x] | kSpread[p.y] << 1 | kSpread[p.z] << 2;
+}
+
 /// Marks triangles in one tile.
 class Rasterizer {
 public:
@@ -128,12 +142,12 @@ public:
 
 private:
     void set_voxel(const ivec3& voxel) {
-        const auto code = static_cast<std::uint32_t>(morton_encode(uvec3(voxel - tile_.first)));
+        const std::uint32_t code = code_in_tile(voxel - tile_.first);
         bitmap_.set(code >> 6, std::uint64_t{1} << (code & 63));
     }
 
-    [[nodiscard]] std::uint32_t code_in_tile(const ivec3& block) const {
-        return static_cast<std::uint32_t>(morton_encode(uvec3(block - (tile_.first >> 2))));
+    [[nodiscard]] std::uint32_t block_code(const ivec3& block) const {
+        return code_in_tile(block - (tile_.first >> 2));
     }
 
     void set_block(std::uint32_t code, std::uint64_t voxels) {
@@ -141,7 +155,7 @@ private:
     }
 
     void add_block(const TriangleCells& triangle, const ivec3& block) {
-        set_block(code_in_tile(block), triangle.voxels(space_.corner(block, 2)));
+        set_block(block_code(block), triangle.voxels(space_.corner(block, 2)));
     }
 
     // Up to 4x4x4 voxels that straddle blocks: one test, then bit by bit.
@@ -157,17 +171,17 @@ private:
         if (blocks.count() <= kFew) {
             const TriangleCells::BlockVoxels voxels(triangle, space_.corner(blocks.first, 2));
             for_each_cell(blocks.in_window(), [&](unsigned code) {
-                set_block(code_in_tile(blocks.first + kCellOfCode[code]), voxels.voxels(code));
+                set_block(block_code(blocks.first + kCellOfCode[code]), voxels.voxels(code));
             });
             return;
         }
         fill_window(triangle, blocks.first, blocks.in_window(),
-                    [&](unsigned code) { return code_in_tile(blocks.first + kCellOfCode[code]); });
+                    [&](unsigned code) { return block_code(blocks.first + kCellOfCode[code]); });
     }
 
     // 4x4x4 blocks whose first one is a multiple of 4: their codes follow each other.
     void add_aligned_blocks(const TriangleCells& triangle, const ivec3& first) {
-        const std::uint32_t base = code_in_tile(first);
+        const std::uint32_t base = block_code(first);
         fill_window(triangle, first, ~std::uint64_t{0}, [&](unsigned code) { return base + code; });
     }
 

@@ -14,6 +14,9 @@
 /// has makes no difference to the result.
 namespace octavo {
 
+/// A tile has at most 1024 voxels a side: its bitmap is then 128 MiB for each thread.
+inline constexpr int kMaxTileDepth = 10;
+
 /// A triangle, and a tile whose closed cube it meets.
 struct TileTriangle {
     std::uint32_t tile;      // Morton code of the tile, in tiles

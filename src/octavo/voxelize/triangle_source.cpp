@@ -3,18 +3,17 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <limits>
 #include <string>
 
 #include "octavo/core/error.h"
 #include "octavo/core/morton.h"
+#include "octavo/core/radix_sort.h"
 
 namespace octavo {
 namespace {
 
-constexpr int kMaxTileDepth = 10;   // a tile's bitmap is then 128 MiB for each thread
 constexpr int kMaxTilesDepth = 10;  // so that a tile's Morton code fits 32 bits
 
 int checked_tile_depth(int tile_depth, int grid_depth) {
@@ -47,14 +46,20 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
         find_tiles(mesh_, r.begin(), r.end(), grid_depth, tile_depth_, found.local());
     });
 
-    std::size_t total = 0;
-    for (const auto& part : found) total += part.size();
-    pairs_.reserve(total);
     for (auto& part : found) {
-        pairs_.insert(pairs_.end(), part.begin(), part.end());
+        if (pairs_.empty()) {
+            pairs_.swap(part);
+        } else {
+            pairs_.insert(pairs_.end(), part.begin(), part.end());
+        }
         part = {};
     }
-    tbb::parallel_sort(pairs_.begin(), pairs_.end());
+    // The order of a tile's triangles makes no difference to its voxels.
+    std::vector<TileTriangle> scratch;
+    radix_sort(
+        pairs_, 3 * (grid_depth - tile_depth_), [](const TileTriangle& pair) { return pair.tile; },
+        scratch);
+    scratch = {};
 
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
         if (i > 0 && pairs_[i].tile == pairs_[i - 1].tile) continue;
