@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -34,6 +35,8 @@ constexpr std::string_view kSamplePrefix = "sample:";
 struct BuildArguments {
     std::string input;
     std::filesystem::path output;
+    std::filesystem::path scratch;
+    double journal_seconds = 5.0;
     BuildOptions options;
     std::optional<dvec3> origin;
     std::optional<double> voxel_size;
@@ -112,6 +115,13 @@ void run_build(BuildArguments& arguments) {
                             .voxel_size = *arguments.voxel_size,
                             .depth = options.depth};
 
+    const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
+    options.journal = arguments.scratch.empty() ? beside : arguments.scratch;
+    options.journal /= arguments.output.filename();
+    options.journal += ".journal";
+    options.journal_interval =
+        std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
+
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
     BuildTimes times;
@@ -176,6 +186,16 @@ void add_build_command(CLI::App& program) {
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
                "Memory that the program may take, like 8G", "SIZE");
+    command
+        .add_option("--scratch", arguments->scratch,
+                    "Folder for the journal from which a stopped build goes on; that of FILE")
+        ->type_name("DIR")
+        ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
+    command
+        .add_option("--journal-seconds", arguments->journal_seconds,
+                    "How long a build works between entries of its journal, 5")
+        ->type_name("S")
+        ->check(within(0.0, 1e6));
     command.add_flag("--compress", arguments->compress,
                      "Compress the DAG: a smaller file that takes longer to open");
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");

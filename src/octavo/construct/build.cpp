@@ -8,6 +8,9 @@
 #include "octavo/core/parallel.h"
 #include "octavo/voxelize/triangle_source.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace octavo {
 namespace {
 
@@ -23,6 +26,26 @@ int choose_tile_depth(const BuildOptions& options, int depth) {
     return std::min(depth, std::countr_zero(options.tile));
 }
 
+/// A number that differs where anything does that decides the result or the order of its tiles.
+std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
+                     const TriangleSource& source) {
+    constexpr std::uint64_t kJournalVersion = 1;
+    struct {
+        std::uint64_t version, positions, triangles;
+        double origin[3], voxel_size;
+        std::int64_t depth, tile_depth, rule;
+    } const identity = {
+        kJournalVersion,
+        XXH3_64bits(scene.positions.data(), scene.positions.size() * sizeof(scene.positions[0])),
+        XXH3_64bits(scene.triangles.data(), scene.triangles.size() * sizeof(scene.triangles[0])),
+        {grid.origin.x, grid.origin.y, grid.origin.z},
+        grid.voxel_size,
+        grid.depth,
+        source.tile_depth(),
+        static_cast<std::int64_t>(rule)};
+    return XXH3_64bits(&identity, sizeof identity);
+}
+
 }  // namespace
 
 BuildResult build(const Scene& scene, const BuildOptions& options) {
@@ -36,7 +59,14 @@ BuildResult build(const Scene& scene, const BuildOptions& options) {
         result.triangles = scene.triangles.size();
         result.degenerate_triangles = source.mesh().degenerate_triangles();
         result.non_finite_triangles = source.mesh().non_finite_triangles();
-        result.dag = construct(source, depth, {options.max_memory_bytes, options.progress});
+        result.dag = construct(
+            source, depth,
+            {.max_memory_bytes = options.max_memory_bytes,
+             .progress = options.progress,
+             .journal = options.journal,
+             .journal_key =
+                 options.journal.empty() ? 0 : key_of(scene, result.grid, options.rule, source),
+             .journal_interval = options.journal_interval});
     });
     return result;
 }

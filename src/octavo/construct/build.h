@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 
 #include "octavo/core/grid.h"
@@ -21,6 +23,12 @@ struct BuildOptions {
     std::uint32_t tile = 0;              // voxels along a tile, a power of two; 0: chosen
     std::uint64_t max_memory_bytes = 0;  // for the whole process; 0: no cap
     ProgressFunction progress;
+
+    /// A file that a long build keeps beside it: killed or stopped, the next build with the same
+    /// scene and options goes on from there and gives the same result. Empty: none is kept. It is
+    /// written every few seconds, so a short build makes none, and deleted when the build is done.
+    std::filesystem::path journal;
+    std::chrono::milliseconds journal_interval{5000};
 };
 
 struct BuildResult {
@@ -35,8 +43,8 @@ struct BuildResult {
 /// the octree ([K13] section 3). The result does not depend on threads, tile, memory cap or the
 /// order of the triangles.
 ///
-/// @throws Error  bad_argument where the options or the scene's bounds allow no grid; limit where
-/// the
+/// @throws Error  io where the journal cannot be read or written; bad_argument where the options or
+/// the scene's bounds allow no grid; limit where the
 ///                cap or 2^32 words would be passed; cancelled
 /// Cost           expected O(voxels touched by triangles); memory: the DAG and its hash tables, the
 ///                triangles of the scene rounded to the grid, and one tile per thread

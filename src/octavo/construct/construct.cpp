@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "octavo/construct/journal.h"
 #include "octavo/construct/node_store.h"
 #include "octavo/construct/reduce.h"
 #include "octavo/core/memory.h"
@@ -48,55 +49,107 @@ void check_memory(std::uint64_t cap) {
                                      " MiB; raise the cap or lower the resolution");
 }
 
+/// The build in progress.
+class Construction {
+public:
+    Construction(const VoxelSource& source, int depth, const ConstructOptions& options)
+        : source_(source), depth_(depth), options_(options), store_(depth - 2) {
+        if (options.journal.empty()) return;
+        journal_ = std::make_unique<Journal>(options.journal, options.journal_key);
+        journal_->interval = options.journal_interval;
+        journal_->restore(store_, state_);
+    }
+
+    void merge_all_tiles() {
+        try {
+            run_pipeline();
+        } catch (...) {
+            // Whatever stopped us, what is done is not lost; unless it was the journal that failed.
+            if (journal_) checkpoint_quietly();
+            throw;
+        }
+    }
+
+    [[nodiscard]] Dag finish() {
+        std::vector<CellNode>& cells = state_.tile_roots;
+        for (int height = source_.tile_depth() - 1; height <= depth_ - 2; ++height)
+            reduce_level(store_, height, cells);
+        Dag dag = std::move(store_).freeze(depth_);
+        if (journal_) journal_->remove();
+        return dag;
+    }
+
+private:
+    // Shared pointers, because a pipeline that is cancelled destroys what is in flight.
+    using Part = std::shared_ptr<TilePart>;
+
+    void run_pipeline() {
+        const std::size_t tile_count = source_.tiles().size();
+        const auto workers = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+        tbb::concurrent_queue<Part> idle;
+        std::size_t next_tile = state_.tiles_done;
+
+        const auto feed = [&](tbb::flow_control& control) -> Part {
+            if (next_tile >= tile_count) {
+                control.stop();
+                return nullptr;
+            }
+            Part part;
+            if (!idle.try_pop(part)) part = std::make_shared<TilePart>(source_.tile_depth() - 2);
+            part->index = next_tile++;
+            return part;
+        };
+        const auto work = [&](const Part& part) {
+            voxelize_and_reduce(source_, *part);
+            return part;
+        };
+        const auto merge = [&](const Part& part) {
+            merge_tile(*part);
+            idle.push(part);
+        };
+        // More tiles in flight than workers, so that a slow tile does not leave the others waiting
+        // to merge.
+        tbb::parallel_pipeline(
+            4 * workers,
+            tbb::make_filter<void, Part>(tbb::filter_mode::serial_in_order, feed) &
+                tbb::make_filter<Part, Part>(tbb::filter_mode::parallel, work) &
+                tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, merge));
+    }
+
+    void merge_tile(const TilePart& part) {
+        if (!part.empty) {
+            const auto code = static_cast<std::uint32_t>(source_.tiles()[part.index]);
+            state_.tile_roots.push_back({code, store_.merge_root(part.store)});
+        }
+        state_.tiles_done = part.index + 1;
+        state_.voxels += part.voxels;
+        if (journal_) journal_->checkpoint_if_due(store_, state_);
+        report(options_.progress,
+               {"voxelize", state_.tiles_done, source_.tiles().size(), state_.voxels});
+        check_memory(options_.max_memory_bytes);
+    }
+
+    void checkpoint_quietly() noexcept {
+        try {
+            journal_->checkpoint(store_, state_);
+        } catch (const std::exception&) {  // the first error is the one to report
+        }
+    }
+
+    const VoxelSource& source_;
+    int depth_;
+    const ConstructOptions& options_;
+    NodeStore store_;
+    ConstructState state_;
+    std::unique_ptr<Journal> journal_;
+};
+
 }  // namespace
 
 Dag construct(const VoxelSource& source, int depth, const ConstructOptions& options) {
-    const int tile_height = source.tile_depth() - 2;
-    const std::vector<std::uint64_t>& tiles = source.tiles();
-    NodeStore store(depth - 2);
-    std::vector<CellNode> tile_roots;
-
-    const auto workers = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    // Shared pointers, because a pipeline that is cancelled destroys what is in flight.
-    using Part = std::shared_ptr<TilePart>;
-    tbb::concurrent_queue<Part> idle;
-    std::size_t next_tile = 0;
-    std::uint64_t voxels = 0;
-
-    const auto feed = [&](tbb::flow_control& control) -> Part {
-        if (next_tile == tiles.size()) {
-            control.stop();
-            return nullptr;
-        }
-        Part part;
-        if (!idle.try_pop(part)) part = std::make_shared<TilePart>(tile_height);
-        part->index = next_tile++;
-        return part;
-    };
-    const auto work = [&](const Part& part) {
-        voxelize_and_reduce(source, *part);
-        return part;
-    };
-    const auto merge = [&](const Part& part) {
-        if (!part->empty) {
-            const auto code = static_cast<std::uint32_t>(tiles[part->index]);
-            tile_roots.push_back({code, store.merge_root(part->store)});
-        }
-        voxels += part->voxels;
-        report(options.progress, {"voxelize", part->index + 1, tiles.size(), voxels});
-        check_memory(options.max_memory_bytes);
-        idle.push(part);
-    };
-    // More tiles in flight than workers, so that a slow tile does not leave the others waiting to
-    // merge.
-    tbb::parallel_pipeline(
-        4 * workers, tbb::make_filter<void, Part>(tbb::filter_mode::serial_in_order, feed) &
-                         tbb::make_filter<Part, Part>(tbb::filter_mode::parallel, work) &
-                         tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, merge));
-
-    for (int height = tile_height + 1; height <= depth - 2; ++height)
-        reduce_level(store, height, tile_roots);
-    return std::move(store).freeze(depth);
+    Construction construction(source, depth, options);
+    construction.merge_all_tiles();
+    return construction.finish();
 }
 
 }  // namespace octavo

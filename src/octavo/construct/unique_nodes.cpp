@@ -25,6 +25,17 @@ std::uint32_t UniqueNodes::append(const std::uint32_t* node, int size, std::size
     return static_cast<std::uint32_t>(id);
 }
 
+bool UniqueNodes::extend(std::span<const std::uint32_t> nodes) {
+    for (std::size_t i = 0; i < nodes.size();) {
+        const auto size = static_cast<unsigned>(size_of(&nodes[i]));
+        if (size < kLeafWords || size > nodes.size() - i) return false;
+        const std::uint64_t id = words_.size();
+        if (add(&nodes[i]) != id) return false;
+        i += size;
+    }
+    return true;
+}
+
 void UniqueNodes::prefetch_slot(std::uint64_t hash) const {
     if (!slots_.empty()) __builtin_prefetch(&slots_[home(hash)], 1);
 }

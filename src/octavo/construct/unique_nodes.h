@@ -34,6 +34,11 @@ public:
         }
     }
 
+    /// Adds nodes that stand one after the other, all of them new, so that their ids go on where
+    /// the others end. False where the words are no such nodes; some of them may then have been
+    /// added.
+    [[nodiscard]] bool extend(std::span<const std::uint32_t> nodes);
+
     [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
         std::uint64_t h = mix(node[0] | std::uint64_t{node[1]} << 32);
         if (kind_ == Kind::leaves) return h;
