@@ -8,6 +8,28 @@
 
 namespace octavo {
 
+namespace {
+
+/// Copies a level's nodes and moves their pointers on to where the next level begins. What has been
+/// copied is given back on the way, so that the DAG is not held twice.
+void append_interior(UniqueNodes& nodes, std::uint32_t children_begin,
+                     std::vector<std::uint32_t>& words) {
+    constexpr std::uint64_t kDiscardEvery = 1 << 22;
+    const std::span<const std::uint32_t> from = nodes.words();
+    std::uint64_t next_discard = kDiscardEvery;
+    for (std::uint64_t i = 0; i < from.size();) {
+        const auto end = i + static_cast<unsigned>(nodes.size_of(from.data() + i));
+        words.push_back(from[i]);
+        while (++i < end) words.push_back(from[i] + children_begin);
+        if (i >= next_discard) {
+            nodes.discard_before(i);
+            next_discard = i + kDiscardEvery;
+        }
+    }
+}
+
+}  // namespace
+
 NodeStore::NodeStore(int top) {
     levels_.emplace_back(UniqueNodes::Kind::leaves);
     for (int h = 1; h <= top; ++h) levels_.emplace_back(UniqueNodes::Kind::interior);
@@ -82,18 +104,11 @@ Dag NodeStore::freeze(int depth) && {
     words.reserve(total);
     for (int l = 0; l < depth - 1; ++l) {
         UniqueNodes& nodes = level(depth - 2 - l);
-        const auto children = static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]);
-        const std::span<const std::uint32_t> from = nodes.words();
         if (l == depth - 2) {
-            words.insert(words.end(), from.begin(), from.end());
+            words.insert(words.end(), nodes.words().begin(), nodes.words().end());
         } else {
-            for (std::uint64_t i = 0; i < from.size();) {
-                const int size = nodes.size_of(from.data() + i);
-                words.push_back(from[i]);
-                for (int k = 1; k < size; ++k)
-                    words.push_back(from[i + static_cast<unsigned>(k)] + children);
-                i += static_cast<unsigned>(size);
-            }
+            append_interior(nodes, static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]),
+                            words);
         }
         nodes.reset();
     }

@@ -68,6 +68,9 @@ public:
     /// Gives the memory of the table back; then nothing can be added any more.
     void drop_table() { slots_ = {}; }
 
+    /// Gives the memory of the nodes before this id back; only later ones are still there.
+    void discard_before(std::uint64_t id) { words_.discard_before(id); }
+
     /// Gives all memory back.
     void reset() { *this = UniqueNodes(kind_); }
 

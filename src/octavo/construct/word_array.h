@@ -27,6 +27,10 @@ public:
         size_ += static_cast<unsigned>(count);
     }
 
+    /// Gives the memory of the words before this index back, as far as whole pages go. They read as
+    /// anything afterwards.
+    void discard_before(std::uint64_t index);
+
     /// Forgets the words, keeps the room.
     void clear() { size_ = 0; }
 
