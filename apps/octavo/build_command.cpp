@@ -13,6 +13,7 @@
 #include "help.h"
 #include "interrupt.h"
 #include "octavo/construct/build.h"
+#include "octavo/construct/estimate.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
@@ -107,6 +108,21 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
 }
 
+/// Says what a long build will take, and refuses one that the cap cannot hold.
+void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
+    constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
+    const BuildOptions& options = arguments.options;
+    if (options.max_memory_bytes == 0 && options.depth < kLongDepth) return;
+    meter.begin_phase("estimate");
+    const Estimate estimate = estimate_build(scene, options);
+    meter.finish();
+    if (!arguments.quiet)
+        fmt::print(stderr, "about {:.0f} s, {} MB of memory, a file of {} MB\n", estimate.seconds,
+                   grouped(estimate.peak_bytes / 1'000'000),
+                   grouped(estimate.dag_bytes / 1'000'000));
+    require_memory(estimate, options.max_memory_bytes);
+}
+
 void run_build(BuildArguments& arguments) {
     check_output(arguments.output, arguments.force);
     BuildOptions& options = arguments.options;
@@ -136,6 +152,8 @@ void run_build(BuildArguments& arguments) {
         meter.finish();
         for (const std::string& warning : scene.warnings)
             if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
+        announce_estimate(scene, arguments, meter);
+        watch.lap();
         model =
             make_model(source_name(arguments.input), scene, options.rule, build(scene, options));
         times.construct_seconds = watch.lap();

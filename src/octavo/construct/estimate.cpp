@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/construct/estimate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "octavo/core/error.h"
+#include "octavo/core/memory.h"
+#include "octavo/core/parallel.h"
+
+namespace octavo {
+namespace {
+
+constexpr int kCoarserBy = 3;  // levels
+
+// While it grows, the store holds the DAG and tables of 6 to 13 bytes for nodes of about 20.
+constexpr double kStoreBytesPerDagByte = 1.6;
+constexpr std::uint64_t kBytesPerThread = 16 << 20;  // tiles in flight
+
+struct Trial {
+    double seconds = 0.0;
+    double dag_bytes = 1.0;
+};
+
+Trial try_build(const Scene& scene, const BuildOptions& options, int depth) {
+    BuildOptions coarse;
+    coarse.depth = depth;
+    coarse.rule = options.rule;
+    coarse.threads = options.threads;
+    coarse.progress = [&](const Progress&) {
+        // Only to let the caller stop: these tiles are not progress of theirs.
+        return !options.progress || options.progress({"estimate", 0, 0, 0});
+    };
+    if (options.grid) {
+        coarse.grid = options.grid;
+        coarse.grid->voxel_size = std::ldexp(options.grid->voxel_size, options.grid->depth - depth);
+        coarse.grid->depth = depth;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const Dag dag = build(scene, coarse).dag;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    return {passed.count(), std::max(1.0, static_cast<double>(dag.size_bytes()))};
+}
+
+std::uint64_t store_bytes(double dag_bytes) {
+    return static_cast<std::uint64_t>(kStoreBytesPerDagByte * dag_bytes);
+}
+
+std::string megabytes(double bytes) {
+    return std::to_string(static_cast<std::uint64_t>(std::ceil(bytes / (1 << 20)))) + " MiB";
+}
+
+}  // namespace
+
+Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
+    Estimate estimate;
+    estimate.depth = options.grid ? options.grid->depth : options.depth;
+    const int near = std::max(estimate.depth - kCoarserBy, std::min(estimate.depth, 6));
+    const int far = std::max(near - 1, kMinDepth);
+    const Trial coarsest = try_build(scene, options, far);
+    const Trial coarse = try_build(scene, options, near);
+
+    // A surface has four times the voxels at twice the resolution, and never more nodes than that.
+    const int levels = estimate.depth - near;
+    estimate.growth = std::clamp(coarse.dag_bytes / coarsest.dag_bytes, 1.0, 4.0);
+    const double slowdown = std::clamp(coarse.seconds / coarsest.seconds, 1.5, 4.0);
+    const double dag_bytes = coarse.dag_bytes * std::pow(estimate.growth, levels);
+    estimate.seconds = coarse.seconds * std::pow(slowdown, levels);
+    estimate.dag_bytes = static_cast<std::uint64_t>(dag_bytes);
+
+    const auto threads =
+        static_cast<std::uint64_t>(options.threads > 0 ? options.threads : available_threads());
+    const std::uint64_t triangles_in_tiles =
+        16 * scene.positions.size() + 24 * scene.triangles.size();
+    estimate.peak_bytes =
+        resident_bytes() + triangles_in_tiles + threads * kBytesPerThread + store_bytes(dag_bytes);
+    return estimate;
+}
+
+void require_memory(const Estimate& estimate, std::uint64_t max_memory_bytes) {
+    // The guess may be high by half; what it lets through is still stopped when it passes the cap.
+    constexpr double kSure = 1.5;
+    const auto cap = static_cast<double>(max_memory_bytes);
+    const auto peak = static_cast<double>(estimate.peak_bytes);
+    if (max_memory_bytes == 0 || peak <= kSure * cap) return;
+
+    const double without_store =
+        peak - static_cast<double>(store_bytes(static_cast<double>(estimate.dag_bytes)));
+    std::string advice = "--max-memory " +
+                         std::to_string(static_cast<std::uint64_t>(std::ceil(peak / (1 << 20)))) +
+                         "M would do";
+    double dag_bytes = static_cast<double>(estimate.dag_bytes);
+    for (int depth = estimate.depth - 1; depth >= kMinDepth; --depth) {
+        dag_bytes /= std::max(estimate.growth, 1.5);
+        if (without_store + kStoreBytesPerDagByte * dag_bytes > cap) continue;
+        advice += ", or a resolution of " + std::to_string(1 << depth);
+        break;
+    }
+    throw Error(Errc::limit, "this build takes about " + megabytes(peak) + " of memory, and " +
+                                 megabytes(cap) + " are allowed; " + advice);
+}
+
+}  // namespace octavo

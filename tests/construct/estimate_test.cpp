@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/construct/estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "octavo/core/error.h"
+#include "octavo/mesh/samples.h"
+#include "support/random_scene.h"
+
+namespace octavo {
+namespace {
+
+TEST(Estimate, IsWithinAFactorOfTwoForTheBuiltInScenes) {
+    for (const auto& [name, size, depth] :
+         {std::tuple("courtyard", 1.0, 11), std::tuple("hairball", 0.05, 10),
+          std::tuple("scan", 0.01, 10)}) {
+        const Scene scene = make_sample(name, size);
+        BuildOptions options;
+        options.depth = depth;
+        const Estimate estimate = estimate_build(scene, options);
+        const auto truth = static_cast<double>(build(scene, options).dag.size_bytes());
+        const double ratio = static_cast<double>(estimate.dag_bytes) / truth;
+        EXPECT_GT(ratio, 0.5) << name;
+        EXPECT_LT(ratio, 2.0) << name;
+    }
+}
+
+TEST(Estimate, OfASmallGridIsTheBuildItself) {
+    const Scene scene = test::random_scene(3, 50);
+    BuildOptions options;
+    options.depth = 5;
+    EXPECT_EQ(estimate_build(scene, options).dag_bytes, build(scene, options).dag.size_bytes());
+}
+
+TEST(Estimate, AnEmptyGridTakesNothingMuch) {
+    BuildOptions options;
+    options.grid = Grid{dvec3(100.0), 0.1, 9};
+    EXPECT_LT(estimate_build(test::random_scene(3, 50), options).dag_bytes, 1000u);
+}
+
+TEST(RequireMemory, RefusalNamesTheCapAndTheResolutionThatWouldDo) {
+    const Estimate estimate{.depth = 14,
+                            .seconds = 10,
+                            .dag_bytes = 1000 << 20,
+                            .peak_bytes = 1700 << 20,
+                            .growth = 4.0};
+    EXPECT_NO_THROW(require_memory(estimate, 0));
+    EXPECT_NO_THROW(require_memory(estimate, 1800 << 20));
+    try {
+        require_memory(estimate, 600 << 20);
+        FAIL() << "it was let through";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), Errc::limit);
+        EXPECT_NE(std::string(e.what()).find("--max-memory 1700M"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("resolution of 8192"), std::string::npos) << e.what();
+    }
+}
+
+}  // namespace
+}  // namespace octavo
