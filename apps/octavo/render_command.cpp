@@ -90,6 +90,37 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     return camera;
 }
 
+/// Files measure light in lux, candela, watts or nothing at all; the sky here has none of these. A
+/// sun up to this is taken as it is; of any other light only the colour counts.
+constexpr float kBrightestSun = 10.0f;
+
+float brightest(const vec3& color) {
+    return std::max({color.r, color.g, color.b});
+}
+
+/// The scene's own light: its first sun, else its first lamp. One in unknown units is made as
+/// bright as the default sun: a lamp, where it is seen from the middle of the scene.
+std::optional<Light> stored_light(const Model& model, const dvec3& up) {
+    const std::vector<Light>& lights = model.metadata.lights;
+    if (lights.empty()) return {};
+    const auto sun = std::ranges::find(lights, Light::Kind::sun, &Light::kind);
+    Light light = sun != lights.end() ? *sun : lights.front();
+
+    const float stored = brightest(light.intensity);
+    const bool is_sun = light.kind == Light::Kind::sun;
+    if (!(stored > 0.0f) || (is_sun && stored <= kBrightestSun)) return light;
+    double wanted = brightest(sun_at(0.0, 0.0, up).intensity);
+    if (!is_sun) {
+        const Box box = content_bounds(model.dag, model.grid());
+        const Box lit = box.empty() ? model.grid().bounds() : box;
+        const double distance =
+            std::max(glm::length(light.position - lit.centre()), 0.25 * glm::length(lit.size()));
+        wanted *= distance * distance;
+    }
+    light.intensity *= static_cast<float>(wanted / stored);
+    return light;
+}
+
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force);
@@ -100,7 +131,8 @@ void run_render(RenderArguments& arguments) {
     options.height = static_cast<int>(arguments.size.y);
     options.smooth_normals = !arguments.flat_normals;
     options.camera = chosen_camera(arguments, model);
-    if (arguments.sun) options.light = sun_at((*arguments.sun)[0], (*arguments.sun)[1], options.up);
+    options.light = arguments.sun ? sun_at((*arguments.sun)[0], (*arguments.sun)[1], options.up)
+                                  : stored_light(model, options.up);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
@@ -130,7 +162,8 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {
     add_parsed(command, "--sun", arguments.sun, parse_angles,
-               "Where the sun stands: degrees from +z towards +x, and above the horizon",
+               "Where the sun stands: degrees from +z towards +x, and above the horizon; "
+               "otherwise the scene's own sun or lamp, or one from the left",
                "AZIMUTH,ELEVATION");
     add_parsed(command, "--shadows", arguments.options.shadows, parse_shadows,
                "none, hard or soft (the default)", "KIND");

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "octavo/core/atomic_file.h"
 #include "octavo/core/error.h"
-#include "octavo/io/atomic_file.h"
 #include "octavo/io/check.h"
 #include "octavo/io/compression.h"
 #include "octavo/io/container.h"

@@ -18,9 +18,9 @@ namespace octavo {
 /// texture there is left out with a warning, a buffer or a material library is an error.
 ///
 /// @throws Error  io where the file is missing or unreadable; bad_input where its content is not
-/// what
-///                its format says, or has no triangles; unsupported where no reader knows it; limit
-///                where it has more than 2^32 vertices or triangles, or does not fit into memory
+///                what its format says, or has no triangles; unsupported where no reader knows it;
+///                limit where it has more than 2^32 vertices or triangles, or does not fit into
+///                memory
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file);
 
 }  // namespace octavo

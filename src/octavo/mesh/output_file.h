@@ -3,22 +3,21 @@
 
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string_view>
 
+#include "octavo/core/atomic_file.h"
+
 namespace octavo {
 
-/// A file that is written from front to back and takes its name only when it is complete.
+/// An AtomicFile that is written from front to back, through a buffer.
 class OutputFile {
 public:
     /// @throws Error io where it cannot be created
     explicit OutputFile(const std::filesystem::path& file);
-    /// Removes what was written, unless it was committed.
-    ~OutputFile();
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
 
     /// @throws Error io, here and below
     void write(const void* data, std::size_t size) {
@@ -41,7 +40,7 @@ public:
         write(text, static_cast<std::size_t>(end - text));
     }
 
-    /// Puts the file in its place.
+    /// Puts the file in its place; without this, nothing is left of it.
     void commit();
 
 private:
@@ -50,11 +49,10 @@ private:
     void write_large(const void* data, std::size_t size);
     void flush();
 
-    std::filesystem::path file_;
-    std::filesystem::path temporary_;
+    AtomicFile file_;
+    std::uint64_t size_bytes_ = 0;  // of the file so far, without the buffer
     std::unique_ptr<char[]> buffer_;
     std::size_t used_ = 0;
-    int descriptor_ = -1;
 };
 
 }  // namespace octavo

@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include <png.h>
-#include <unistd.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "octavo/core/atomic_file.h"
 #include "octavo/core/error.h"
 #include "octavo/render/image.h"
 #include "octavo/render/tone_map.h"
-#include "octavo/render/write_file.h"
 
 namespace octavo {
-namespace {
-
-struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-}  // namespace
 
 void write_png(const std::filesystem::path& file, const Image& image, double exposure) {
     if (image.color.empty()) throw Error(Errc::bad_argument, file, "the image has no pixel");
@@ -37,14 +29,14 @@ void write_png(const std::filesystem::path& file, const Image& image, double exp
     png.width = static_cast<png_uint_32>(image.width);
     png.height = static_cast<png_uint_32>(image.height);
     png.format = PNG_FORMAT_RGB;
-    detail::write_and_rename(file, [&](const std::filesystem::path& unfinished) {
-        const std::unique_ptr<std::FILE, Close> out(std::fopen(unfinished.c_str(), "wb"));
-        if (!out) throw io_error(file, "write");
-        if (png_image_write_to_stdio(&png, out.get(), 0, bytes.data(), 0, nullptr) == 0)
-            throw Error(Errc::io, file, std::string("cannot write: ") + png.message);
-        if (std::fflush(out.get()) != 0 || fsync(fileno(out.get())) != 0)
-            throw io_error(file, "write");
-    });
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::vector<std::byte> encoded(size);
+    if (png_image_write_to_memory(&png, encoded.data(), &size, 0, bytes.data(), 0, nullptr) == 0)
+        throw Error(Errc::io, file, std::string("cannot write: ") + png.message);
+
+    AtomicFile out(file);
+    out.write(0, std::span(encoded).first(size));
+    out.commit();
 }
 
 }  // namespace octavo

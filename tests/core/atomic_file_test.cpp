@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/io/atomic_file.h"
+#include "octavo/core/atomic_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/io/atomic_file.h"
+#include "octavo/core/atomic_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
