@@ -46,8 +46,9 @@ TEST(Build, SameInputGivesTheSameFileHoweverItIsBuilt) {
     ASSERT_EQ(run_shell(folder.path(), build + "-o a.octv --threads 1").code, 0);
     ASSERT_EQ(run_shell(folder.path(), build + "-o b.octv --threads 3 --tile 64").code, 0);
     ASSERT_EQ(run_shell(folder.path(), build + "-o c.octv --max-memory 2G").code, 0);
-    EXPECT_EQ(file_content(folder / "a.octv"), file_content(folder / "b.octv"));
-    EXPECT_EQ(file_content(folder / "a.octv"), file_content(folder / "c.octv"));
+    // Not EXPECT_EQ: nobody wants to read the files.
+    EXPECT_TRUE(file_content(folder / "a.octv") == file_content(folder / "b.octv"));
+    EXPECT_TRUE(file_content(folder / "a.octv") == file_content(folder / "c.octv"));
 }
 
 TEST(Build, TakesAGridFromTheCommandLine) {

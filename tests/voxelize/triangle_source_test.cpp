@@ -138,6 +138,18 @@ TEST(TriangleSource, ADegenerateTriangleMarksWhatItMeets) {
     }
 }
 
+TEST(TriangleSource, ALongSegmentAlongAnAxisIsOneVoxelThick) {
+    // Its shadow along the axis is a point, which once passed for a shadow that everything is inside.
+    const Grid grid{dvec3(0.0), 1.0, 8};
+    for (int axis = 0; axis < 3; ++axis)
+        for (const VoxelRule rule : {VoxelRule::conservative, VoxelRule::thin}) {
+            dvec3 end(3.5);
+            end[axis] = 200.5;
+            const Scene segment = one_triangle(dvec3(3.5), end, end);
+            EXPECT_EQ(voxels_of(segment, grid, rule, 8).size(), 198u) << "axis " << axis;
+        }
+}
+
 TEST(TriangleSource, NonFiniteTrianglesAreCountedAndNotVoxelized) {
     Scene scene = random_scene(1, 10);
     const VoxelSet before = voxels_of(scene, cube(scene, 5), VoxelRule::conservative, 5);

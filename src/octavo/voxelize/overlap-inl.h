@@ -93,7 +93,8 @@ public:
         edge_values(corner, shift, edge_offset_, edges);
         Blocks blocks;
         blocks.met = in_bounds(corner, shift) & on_plane(plane) & in_projections(edges);
-        blocks.inside = blocks.met & inside_main_projection(edges);
+        // A triangle without area has a shadow without edges, and nothing is inside that.
+        blocks.inside = has_area_ ? blocks.met & inside_main_projection(edges) : 0;
         return blocks;
     }
 
@@ -307,6 +308,7 @@ private:
     bool short_plane_;  // 64 bits hold the plane's value wherever a window can lie
     int plane_low_bits_;
     int main_projection_;
+    bool has_area_;
     int voxel_shift_;
 };
 
@@ -325,8 +327,8 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         normal_[axis] = std::int64_t{e1[u]} * e2[v] - std::int64_t{e1[v]} * e2[u];
     }
-    const bool degenerate = (normal_[0] | normal_[1] | normal_[2]) == 0;
-    const bool thin = rule == VoxelRule::thin && !degenerate;
+    has_area_ = (normal_[0] | normal_[1] | normal_[2]) != 0;
+    const bool thin = rule == VoxelRule::thin && has_area_;
 
     // Orientation of each projection, before the normal is shortened below. Where a projection has
     // no area either sign serves: its edges run both ways along one line and bound it from both
