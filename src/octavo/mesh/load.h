@@ -8,7 +8,7 @@
 namespace octavo {
 
 /// Reads a triangle scene: glTF and GLB, OBJ with its materials, PLY, STL, each also gzipped, and
-/// whatever else the assimp library knows by its file name (OFF, COLLADA, 3MF, 3DS, ...).
+/// whatever else the assimp library knows by its file name (OFF, COLLADA, 3DS, ...).
 ///
 /// Coordinates are as exact as the file: text is rounded once to double, node transforms are
 /// applied in double (assimp's formats: in float). Vertex colours and material colours are taken as
