@@ -2,6 +2,10 @@
 find_package(PkgConfig REQUIRED)
 
 find_package(TBB REQUIRED)       # threads: parallel loops and the ordered build pipeline
+if(OCTAVO_SANITIZE MATCHES "thread" AND NOT TBB_DIR MATCHES "tsan-tbb")
+    message(WARNING "This oneTBB was not compiled for the thread sanitizer, which will report races "
+                    "that are none: run scripts/tsan-tbb, then configure anew.")
+endif()
 find_package(glm REQUIRED)       # vectors with GLSL's names, which the shared ray text needs
 find_package(nlohmann_json REQUIRED)  # JSON: file metadata, --json output
 find_package(hwy REQUIRED)       # SIMD with run-time dispatch, for the voxel overlap kernel

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 namespace octavo::cli {
@@ -20,7 +21,7 @@ std::string point_text(const dvec3& point) {
 /// Megabytes of 10^6 bytes, as [K13] counts them, with at least three digits.
 std::string megabytes(std::uint64_t bytes) {
     const double mb = static_cast<double>(bytes) * 1e-6;
-    if (mb >= 1000.0) return grouped(static_cast<std::uint64_t>(mb + 0.5)) + " MB";
+    if (mb >= 1000.0) return grouped(static_cast<std::uint64_t>(std::llround(mb))) + " MB";
     return fmt::format("{:.{}f} MB", mb, mb >= 100.0 ? 0 : mb >= 10.0 ? 1 : mb >= 1.0 ? 2 : 4);
 }
 

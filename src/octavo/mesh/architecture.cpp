@@ -104,7 +104,8 @@ void tiled_slope(ShapeBuilder& shapes, const Slope& s) {
     constexpr double kRowStep = 0.05, kCurve = 0.055;
     shapes.surface(across, lines, [&](double u, double v) {
         const int line = static_cast<int>(std::lround(v * lines));
-        const double t = static_cast<double>(line / 2 + line % 2) / s.rows;
+        const int row = (line + 1) / 2;
+        const double t = static_cast<double>(row) / s.rows;
         const double z = -s.out + (s.out + s.depth) * t;
         const double x = s.mitre * z + u * (s.length - 2.0 * s.mitre * z);
         const double curve = kCurve * exact::cosine(2.0 * exact::kPi * x / kTileWidth);

@@ -67,24 +67,25 @@ dvec4 Accessor::real(std::size_t i) const {
     const std::byte* at = data_ + i * stride_;
     dvec4 value{0.0};
     for (int c = 0; c < components; ++c) {
+        const auto index = static_cast<std::size_t>(c);
         switch (component_type_) {
             case kF32:
-                value[c] = take<float>(at + 4 * c);
+                value[c] = take<float>(at + 4 * index);
                 break;
             case kU32:
-                value[c] = take<std::uint32_t>(at + 4 * c);
+                value[c] = take<std::uint32_t>(at + 4 * index);
                 break;
             case kU16:
-                value[c] = take<std::uint16_t>(at + 2 * c);
+                value[c] = take<std::uint16_t>(at + 2 * index);
                 break;
             case kI16:
-                value[c] = take<std::int16_t>(at + 2 * c);
+                value[c] = take<std::int16_t>(at + 2 * index);
                 break;
             case kU8:
-                value[c] = take<std::uint8_t>(at + c);
+                value[c] = take<std::uint8_t>(at + index);
                 break;
             default:
-                value[c] = take<std::int8_t>(at + c);
+                value[c] = take<std::int8_t>(at + index);
                 break;
         }
     }

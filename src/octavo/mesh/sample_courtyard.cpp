@@ -180,7 +180,8 @@ private:
             shapes_.material = wood_;
             shapes_.box({-0.6, kStep, z - 0.03}, {0.6, 2.5, z});
             for (int panel = 0; panel < 6; ++panel) {
-                const double x = panel % 2 == 0 ? -0.5 : 0.07, y = 0.4 + 0.7 * (panel / 2);
+                const int row = panel / 2;
+                const double x = panel % 2 == 0 ? -0.5 : 0.07, y = 0.4 + 0.7 * row;
                 shapes_.box({x, y, z - 0.06}, {x + 0.43, y + 0.55, z - 0.03});
             }
         }

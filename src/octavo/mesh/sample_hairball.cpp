@@ -50,8 +50,8 @@ void grow_tube(std::uint64_t seed, dvec3* out) {
 
 Scene scenes::hairball(double size) {
     const auto tubes = static_cast<std::size_t>(std::max(1.0, std::round(kTubes * size)));
-    constexpr std::size_t kPoints = (kSteps + 1) * kSides;
-    constexpr std::size_t kTriangles = 2 * kSteps * kSides;
+    constexpr std::size_t kPoints = std::size_t{kSteps + 1} * kSides;
+    constexpr std::size_t kTriangles = std::size_t{2} * kSteps * kSides;
 
     Scene scene;
     scene.positions.resize(tubes * kPoints);

@@ -52,8 +52,8 @@ Scene read_binary(const FileBytes& bytes) {
     for (std::uint64_t i = 0; i < count; ++i) {
         float corner[9];
         std::memcpy(corner, view.data() + kHeaderSize + i * kTriangleSize + 12, sizeof corner);
-        for (int c = 0; c < 3; ++c)
-            scene.positions.emplace_back(corner[3 * c], corner[3 * c + 1], corner[3 * c + 2]);
+        for (const int c : {0, 3, 6})
+            scene.positions.emplace_back(corner[c], corner[c + 1], corner[c + 2]);
         const auto first = static_cast<std::uint32_t>(3 * i);
         scene.triangles.emplace_back(first, first + 1, first + 2);
     }
