@@ -29,7 +29,7 @@ protected:
     void TearDown() override { force_simd_target(nullptr); }
 };
 INSTANTIATE_TEST_SUITE_P(AllTargets, Wide, testing::ValuesIn(simd_targets()),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& target) { return std::string(target.param); });
 
 void expect_same(const Dag& dag, const std::vector<s::GridRay>& rays, const s::Stop& stop,
                  const std::string& what) {
