@@ -34,27 +34,53 @@ HWY_INLINE void walk_all(shared::DagView dag, std::span<const shared::GridRay> r
 struct AnyResults {
     std::uint8_t* occluded;
 
-    void add(std::uint32_t ray, const ivec3&, int, float) { occluded[ray] = 1; }
-    static constexpr bool kNeedsCell = false;
+    HWY_INLINE void add(const HitLanes& lanes) {
+        HWY_ALIGN std::int32_t ray[kLanes];
+        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, IntTag(), ray);
+        for (std::size_t i = 0; i < count; ++i) occluded[ray[i]] = 1;
+    }
 };
 
-/// Makes the shared text's hits.
+/// shared::make_hit() for a vector of rays.
 struct ClosestResults {
-    const shared::GridRay* rays;
     int depth;
     shared::GridHit* hits;
 
-    void add(std::uint32_t ray, const ivec3& corner, int height, float t) {
-        const shared::GridRay& r = rays[ray];
-        const shared::UpwardRay up = shared::mirror_ray(r.cell, r.frac, r.dir, depth);
-        hits[ray] = shared::make_hit(up, depth, corner, height, t, 0);
+    HWY_INLINE void add(const HitLanes& lanes) {
+        const FloatTag df;
+        const IntTag di;
+        const Ints one = hn::Set(di, 1);
+        const Floats x = lanes.entry[0], y = lanes.entry[1], z = lanes.entry[2];
+        const Ints y_or_z = hn::IfThenElse(hn::RebindMask(di, hn::Ge(y, z)), one, hn::Set(di, 2));
+        const Ints axis = hn::IfThenZeroElse(hn::RebindMask(di, hn::Ge(x, hn::Max(y, z))), y_or_z);
+        const Ints falls = hn::And(hn::Shr(lanes.down, axis), one);
+        const IntMask inside = hn::RebindMask(di, hn::Lt(max3(x, y, z), lanes.t));
+        const Ints face = hn::IfThenElse(inside, hn::Set(di, shared::kFaceInside),
+                                         hn::Add(hn::Add(axis, axis), falls));
+        const Ints last = hn::Sub(hn::Shl(one, hn::Sub(hn::Set(di, depth), lanes.height)), one);
+
+        HWY_ALIGN std::int32_t ray[kLanes], path[3][kLanes], height[kLanes], faces[kLanes];
+        HWY_ALIGN float t[kLanes];
+        for (int a = 0; a < 3; ++a) {
+            const Ints bit = hn::Set(di, 1 << a);
+            const IntMask down = hn::TestBit(lanes.down, bit);
+            const Ints real =
+                hn::Xor(hn::Shr(lanes.corner[a], lanes.height), hn::IfThenElseZero(down, last));
+            hn::CompressStore(real, lanes.hit, di, path[a]);
+        }
+        hn::CompressStore(lanes.height, lanes.hit, di, height);
+        hn::CompressStore(face, lanes.hit, di, faces);
+        hn::CompressStore(lanes.t, hn::RebindMask(df, lanes.hit), df, t);
+        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, di, ray);
+        for (std::size_t i = 0; i < count; ++i)
+            hits[ray[i]] = {t[i], uvec3(path[0][i], path[1][i], path[2][i]), height[i], faces[i],
+                            0};
     }
-    static constexpr bool kNeedsCell = true;
 };
 
 void TraceClosest(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop,
                   shared::GridHit* hits) {
-    ClosestResults results{rays.data(), dag.depth, hits};
+    ClosestResults results{dag.depth, hits};
     if (stop.cone > 0.0f)
         walk_all<true>(dag, rays, stop, results);
     else

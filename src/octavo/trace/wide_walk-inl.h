@@ -16,6 +16,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
 
+/// Lanes whose ray has met a cell where it stops.
+struct HitLanes {
+    IntMask hit;  // the others are to be left alone
+    Ints ray;
+    Ints corner[3];  // mirrored
+    Ints height;
+    Ints down;
+    Floats entry[3];  // when the low planes of the cell are crossed
+    Floats t;
+};
+
 /// Every lane makes one step of the shared text's loop at a time: down into its cell where that
 /// exists, else on to the next one. Both ways are computed for all lanes, without a branch; a step
 /// needs the crossing of three planes only, of the cell's far ones or of its middle ones.
@@ -76,7 +87,7 @@ public:
 
         IntMask hit = hn::And(exists, hn::Lt(height_, hn::Set(di, stop_.height + 1)));
         if constexpr (kCone) hit = hn::Or(hit, hn::And(exists, stops_by_cone()));
-        if (!hn::AllFalse(di, hit)) finish(hit, results);
+        if (!hn::AllFalse(di, hit)) results.add(hit_lanes(hit));
         const IntMask descends = hn::AndNot(hit, exists);
         const IntMask advances = hn::AndNot(exists, live);
 
@@ -152,40 +163,25 @@ private:
         return hn::Xor(hn::Or(x, hn::Or(hn::ShiftLeft<1>(y), hn::ShiftLeft<2>(z))), down_);
     }
 
+    /// When the low planes of the cell are crossed.
+    HWY_INLINE Floats entry(int axis) const {
+        return plane_time(corner_[axis], cell_[axis], frac_[axis], inv_dir_[axis]);
+    }
+
+    HWY_INLINE HitLanes hit_lanes(IntMask hit) const {
+        return {hit,     ray_,  {corner_[0], corner_[1], corner_[2]},
+                height_, down_, {entry(0), entry(1), entry(2)},
+                t_};
+    }
+
     /// shared::may_stop(), by the cone.
     HWY_INLINE IntMask stops_by_cone() const {
         const FloatTag df;
         const IntTag di;
-        Floats entry[3];
-        for (int axis = 0; axis < 3; ++axis)
-            entry[axis] = plane_time(corner_[axis], cell_[axis], frac_[axis], inv_dir_[axis]);
         const Floats travelled =
-            hn::Add(hn::Set(df, stop_.time_before), max3(entry[0], entry[1], entry[2]));
+            hn::Add(hn::Set(df, stop_.time_before), max3(entry(0), entry(1), entry(2)));
         const Floats width = hn::ConvertTo(df, hn::Shl(hn::Set(di, 1), height_));
         return hn::RebindMask(di, hn::Lt(width, hn::Mul(travelled, hn::Set(df, stop_.cone))));
-    }
-
-    template <class Results>
-    HWY_INLINE void finish(IntMask hit, Results& results) const {
-        const FloatTag df;
-        const IntTag di;
-        HWY_ALIGN std::int32_t ray[kLanes];
-        const std::size_t count = hn::CompressStore(ray_, hit, di, ray);
-        HWY_ALIGN std::int32_t corner[3][kLanes];
-        HWY_ALIGN std::int32_t height[kLanes];
-        HWY_ALIGN float t[kLanes];
-        if constexpr (Results::kNeedsCell) {
-            for (int axis = 0; axis < 3; ++axis)
-                hn::CompressStore(corner_[axis], hit, di, corner[axis]);
-            hn::CompressStore(height_, hit, di, height);
-            hn::CompressStore(t_, hn::RebindMask(df, hit), df, t);
-            for (std::size_t i = 0; i < count; ++i)
-                results.add(static_cast<std::uint32_t>(ray[i]),
-                            {corner[0][i], corner[1][i], corner[2][i]}, height[i], t[i]);
-        } else {
-            for (std::size_t i = 0; i < count; ++i)
-                results.add(static_cast<std::uint32_t>(ray[i]), ivec3(0), 0, 0.0f);
-        }
     }
 
     /// Rays first to first + count of the batch go to as many free lanes.
