@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -88,6 +88,16 @@ struct Row {
     std::size_t agreed = 0;
 };
 
+/// Ambient rays that stop at cells which look smaller than an angle: the speed, and how much darker
+/// the points come out than with rays to the voxels.
+struct Cone {
+    double degrees;
+    std::vector<double> voxels{};  // MRays/s
+    double darker = 0.0;           // sums over the points, of the open part of their sky
+    double squared = 0.0;
+    std::size_t points = 0;
+};
+
 /// One frame's rays, traced by everything in turn.
 class Race {
 public:
@@ -155,6 +165,30 @@ public:
         for (std::size_t i = 0; i < set.size(); ++i) row.agreed += wide_any[i] == mesh[i];
     }
 
+    /// `set`: kAmbientSamples rays for each point.
+    void ambient_cone(Cone& cone, const RaySet& set) const {
+        if (set.size() == 0) return;
+        std::vector<std::uint8_t> full(set.size()), coarse(set.size());
+        const auto trace = [&](float angle, std::vector<std::uint8_t>& to) {
+            return time_rays(set.size(), [&](std::size_t first, std::size_t count) {
+                trace_any_wide(model_.dag, std::span(set.voxel_rays).subspan(first, count),
+                               {0, angle, 0.0f}, std::span(to).subspan(first, count));
+            });
+        };
+        trace(0.0f, full);
+        const double seconds =
+            trace(static_cast<float>(cone.degrees * std::numbers::pi / 180.0), coarse);
+        cone.voxels.push_back(1e-6 * static_cast<double>(set.size()) / seconds);
+        for (std::size_t i = 0; i < set.size(); i += kAmbientSamples) {
+            int more = 0;
+            for (std::size_t k = i; k < i + kAmbientSamples; ++k) more += coarse[k] - full[k];
+            const double darker = static_cast<double>(more) / kAmbientSamples;
+            cone.darker += darker;
+            cone.squared += darker * darker;
+            ++cone.points;
+        }
+    }
+
     /// Where the last primary rays met the triangles, or the voxels where there are none.
     [[nodiscard]] std::vector<SurfacePoint> surface(const RaySet& primary) const {
         std::vector<SurfacePoint> points;
@@ -212,8 +246,14 @@ private:
     std::vector<TriangleHit> triangle_hits_;
 };
 
-std::vector<Row> fly(const Model& model, const TriangleTracer* triangles, int frames, int size) {
-    std::vector<Row> rows(4);
+struct Figures {
+    std::vector<Row> rows;
+    std::vector<Cone> cones;
+};
+
+Figures fly(const Model& model, const TriangleTracer* triangles, int frames, int size) {
+    Figures figures{std::vector<Row>(4), {{1.0}, {3.0}, {9.0}}};
+    std::vector<Row>& rows = figures.rows;
     rows[0].name = "primary";
     rows[1].name = "hard shadow";
     rows[2].name = "soft shadow";
@@ -233,11 +273,12 @@ std::vector<Row> fly(const Model& model, const TriangleTracer* triangles, int fr
         race.any(rows[2], soft_shadow_rays(points, model.grid(), to_sun, kSunRadius, kSoftSamples),
                  true);
         const double radius = 0.06 * glm::length(content.size());
-        race.any(rows[3],
-                 ambient_rays(points, model.grid(), radius, kAmbientSamples, kAmbientStride),
-                 false);
+        const RaySet ambient =
+            ambient_rays(points, model.grid(), radius, kAmbientSamples, kAmbientStride);
+        race.any(rows[3], ambient, false);
+        for (Cone& cone : figures.cones) race.ambient_cone(cone, ambient);
     }
-    return rows;
+    return figures;
 }
 
 std::string table(const std::vector<Row>& rows, bool mesh) {
@@ -260,7 +301,19 @@ std::string table(const std::vector<Row>& rows, bool mesh) {
     return text;
 }
 
-Json json(const std::vector<Row>& rows, const BenchArguments& arguments, int threads) {
+std::string cone_table(const std::vector<Cone>& cones) {
+    std::string text = "\nambient rays that stop at cells below an angle\n";
+    for (const Cone& cone : cones) {
+        const auto n = static_cast<double>(std::max<std::size_t>(cone.points, 1));
+        text += fmt::format(
+            "{:>3} degrees {:>8.2f} MRays/s, darker by {:.2f} % of the sky, RMS {:.2f} %\n",
+            cone.degrees, median(cone.voxels), 100.0 * cone.darker / n,
+            100.0 * std::sqrt(cone.squared / n));
+    }
+    return text;
+}
+
+Json json(const Figures& figures, const BenchArguments& arguments, int threads) {
     Json out;
     out["commit"] = kCommit;
     out["file"] = arguments.file.filename().string();
@@ -268,7 +321,7 @@ Json json(const std::vector<Row>& rows, const BenchArguments& arguments, int thr
     out["simd"] = simd_targets().front();
     out["frames"] = arguments.frames;
     out["size"] = arguments.size;
-    for (const Row& row : rows) {
+    for (const Row& row : figures.rows) {
         Json r;
         r["rays"] = row.rays;
         r["hits"] = row.hits;
@@ -284,6 +337,13 @@ Json json(const std::vector<Row>& rows, const BenchArguments& arguments, int thr
                        {"embree16", row.embree16}};
         out["mrays_per_second"][row.name] = r;
     }
+    for (const Cone& cone : figures.cones) {
+        const auto n = static_cast<double>(std::max<std::size_t>(cone.points, 1));
+        out["ambient_cones"].push_back({{"degrees", cone.degrees},
+                                        {"voxels", median(cone.voxels)},
+                                        {"darker", cone.darker / n},
+                                        {"rms", std::sqrt(cone.squared / n)}});
+    }
     return out;
 }
 
@@ -298,17 +358,17 @@ void run_trace(const BenchArguments& arguments) {
                 ? make_sample(arguments.mesh.substr(kSamplePrefix.size()))
                 : load_scene(arguments.mesh));
     const int threads = arguments.threads > 0 ? arguments.threads : available_threads();
-    std::vector<Row> rows;
+    Figures figures;
     with_threads(threads,
-                 [&] { rows = fly(model, triangles.get(), arguments.frames, arguments.size); });
+                 [&] { figures = fly(model, triangles.get(), arguments.frames, arguments.size); });
     if (arguments.json) {
-        print(json(rows, arguments, threads).dump(2) + "\n");
+        print(json(figures, arguments, threads).dump(2) + "\n");
         return;
     }
     print(fmt::format("{} frames of {} x {}, {} threads, {}; medians of the frames\n",
                       arguments.frames, arguments.size, arguments.size, threads,
                       simd_targets().front()) +
-          table(rows, triangles != nullptr));
+          table(figures.rows, triangles != nullptr) + cone_table(figures.cones));
 }
 
 }  // namespace
