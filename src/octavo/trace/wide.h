@@ -23,7 +23,8 @@ namespace octavo {
 inline constexpr std::size_t kRaysPerBatch = 64;
 
 /// @param hits  as long as `rays`
-/// Cost  a fifth to an eighth of as many calls of shared::trace_closest() with AVX-512
+/// Cost  with AVX-512 a third to a sixth of as many calls of shared::trace_closest();
+/// docs/results.md
 void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
                         std::span<shared::GridHit> hits) noexcept;
 
