@@ -7,6 +7,7 @@
 /// output and throws octavo::Error where it cannot.
 namespace octavo::cli {
 
+void add_bench_command(CLI::App& program);
 void add_build_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_render_command(CLI::App& program);

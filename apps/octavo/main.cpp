@@ -68,6 +68,7 @@ int run(int argc, char** argv) {
     add_render_command(program);
     add_query_command(program);
     add_sample_command(program);
+    add_bench_command(program);
 
     try {
         program.parse(argc, argv);

@@ -7,6 +7,8 @@
 #include <set>
 #include <vector>
 
+#include "octavo/render/lamp.h"
+#include "octavo/render/ray_queue.h"
 #include "support/exact_trace.h"
 #include "support/random_rays.h"
 #include "support/small_dags.h"
@@ -143,6 +145,57 @@ TEST(Shadow, LampSamplesAgreeWithRaysInDouble) {
     EXPECT_LE(different, 2);
     EXPECT_GT(lit, 200);
     EXPECT_GT(dark, 200);
+}
+
+TEST(Shadow, IntervalOfALampsBundleChangesNoRay) {
+    const Dag dags[] = {test::dust(8, 0.45, 3), test::slanted_wall(8, {3, -5, 7}, 300)};
+    test::RandomRays random(12, 256);
+    int untraced = 0;
+    int cut = 0;
+    for (int k = 0; k < 1200; ++k) {
+        const Dag& dag = dags[k % 2];
+        const s::DagView view = s::view(dag);
+        const Ray at = random(test::RandomRays::inside);
+        const s::GridRay eye{ivec3(at.origin), vec3(at.origin - glm::floor(at.origin)),
+                             vec3(at.direction), 0.0f, 1e30f};
+        const s::GridHit hit = trace_closest(view, eye, kToVoxels);
+        const bool on_face = hit.face < s::kFaceInside;
+        const s::GridRay start = on_face ? leave_hit(eye, hit, vec3(0, 0, 1)) : eye;
+        const int face = on_face ? hit.face : s::kFaceNone;
+        const bool sun = k % 3 == 0;
+        const float size = k % 5 == 0 ? 0.0f : static_cast<float>(random.uniform(0, 0.2));
+        const s::LampDisc lamp{vec3(random.direction()) * (sun ? 1.0f : 60.0f),
+                               sun ? size : 60.0f * size, sun ? 1e30f : 1.0f};
+        s::Bundle bundle = lamp_bundle(start, face, lamp);
+        const float first = bundle.t_min = beam_start(view, bundle, kToVoxels);
+        const float last = first < lamp.t_end ? beam_end(view, bundle, kToVoxels) : first;
+        untraced += !(first < last);
+        cut += first > 0.0f || last < lamp.t_end;
+        for (int i = 0; i < 64; ++i) {
+            s::GridRay ray = lamp_ray(start, face, lamp, i, 5u);
+            const s::GridHit whole = trace_closest(view, ray, kToVoxels);
+            ray.t_min = first;
+            ray.t_max = last;
+            const s::GridHit part = trace_closest(view, ray, kToVoxels);
+            ASSERT_EQ(whole.face != s::kFaceNone, part.face != s::kFaceNone) << k << " " << i;
+            if (whole.face != s::kFaceNone) {
+                ASSERT_EQ(whole.path, part.path) << k << " " << i;
+            }
+        }
+        RayQueue with(dag, kToVoxels);
+        RayQueue without(dag, kToVoxels);
+        with.begin_group();
+        without.begin_group();
+        queue_lamp_rays(view, start, face, lamp, 0, 64, 5u, true, with);
+        queue_lamp_rays(view, start, face, lamp, 0, 64, 5u, false, without);
+        with.trace();
+        without.trace();
+        const int brute = lamp_samples_seen(view, start, face, lamp, kToVoxels, 0, 64, 5u);
+        ASSERT_EQ(with.seen(0), brute);
+        ASSERT_EQ(without.seen(0), brute);
+    }
+    EXPECT_GT(untraced, 50);
+    EXPECT_GT(cut, 400);
 }
 
 }  // namespace

@@ -10,22 +10,27 @@
 
 OCTAVO_SHARED_BEGIN
 
-// The number of samples [first, end) of the pixel that see the sky.
+// Ray i of a pixel that asks whether the point sees the sky.
 //
 //   start   the point: a ray from the surface (leave_hit), of any direction
 //   face    of the cell that it must not go into, or kFaceNone
 //   normal  unit length
 //   radius  voxels: beyond it nothing occludes
+OCTAVO_FN GridRay sky_ray(GridRay start, int face, vec3 normal, float radius, int i, uint seed) {
+    GridRay ray = start;
+    ray.dir = bend_outwards(cosine_direction(normal, sample_2d(uint(i), seed)), face);
+    ray.t_max = radius * sample_1d(uint(i), seed ^ 0x5bd1e995u);
+    return ray;
+}
+
+// The number of samples [first, end) of the pixel that see the sky.
+//
 //   stop    lets rays end at larger cells, which makes it darker and faster ([K13] figure 8b)
 OCTAVO_FN int sky_samples_seen(DagView dag, GridRay start, int face, vec3 normal, float radius,
                                Stop stop, int first, int end, uint seed) {
     int seen = 0;
-    for (int i = first; i < end; i += 1) {
-        GridRay ray = start;
-        ray.dir = bend_outwards(cosine_direction(normal, sample_2d(uint(i), seed)), face);
-        ray.t_max = radius * sample_1d(uint(i), seed ^ 0x5bd1e995u);
-        seen += trace_any(dag, ray, stop) ? 0 : 1;
-    }
+    for (int i = first; i < end; i += 1)
+        seen += trace_any(dag, sky_ray(start, face, normal, radius, i, seed), stop) ? 0 : 1;
     return seen;
 }
 

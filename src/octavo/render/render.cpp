@@ -5,28 +5,31 @@
 #include "octavo/render/render.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "octavo/core/parallel.h"
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
+#include "octavo/render/lamp.h"
 #include "octavo/render/normal.h"
+#include "octavo/render/ray_queue.h"
 
 namespace octavo {
 namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
 
-/// The smoothed normals of the cells that a tile has met: close to a surface many pixels share one.
-/// A slot holds the last normal that fell on it, which depends on the cell and face alone, so the
-/// picture does not depend on what is found here.
+/// The smoothed normals of the cells that a thread has met: close to a surface many pixels share
+/// one. A slot holds the last normal that fell on it, which depends on the cell and face alone, so
+/// the picture does not depend on what is found here.
 class NormalCache {
 public:
     vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
@@ -46,7 +49,7 @@ private:
         int face = shared::kFaceNone;
         vec3 normal{0.0f};
     };
-    std::array<Entry, 64> entries_;
+    std::vector<Entry> entries_ = std::vector<Entry>(4096);
 };
 
 const vec3 kClay(0.78f, 0.76f, 0.72f);
@@ -80,7 +83,8 @@ void check(const RenderOptions& o) {
 class Picture {
 public:
     Picture(const Dag& dag, const Grid& grid, const RenderOptions& options)
-        : dag_(shared::view(dag)),
+        : whole_dag_(dag),
+          dag_(shared::view(dag)),
           grid_(grid),
           options_(options),
           up_(glm::normalize(options.up)),
@@ -96,16 +100,22 @@ public:
         primary_stop_.time_before = rays_.t_before();
     }
 
-    void draw_tile(int x0, int y0, Image& image) const {
+    void draw_tile(int x0, int y0, NormalCache& normals, Image& image) const {
         const int x1 = std::min(x0 + kTile, options_.width);
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
         if (options_.beam)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
-        NormalCache normals;
-        for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) draw_pixel(x, y, start, normals, image);
+        Tile tile(*this, normals, x0, y0, x1, y1);
+        for (int i = 0; i < options_.samples; ++i) {
+            trace_primary(tile, i, start);
+            if (i == 0) write_depths(tile, image);
+            add_samples(tile, i);
+        }
+        for (std::size_t k = 0; k < tile.pixels.size(); ++k)
+            image.color[image.index(tile.pixels[k].x, tile.pixels[k].y)] =
+                tile.sums[k] / static_cast<float>(options_.samples);
     }
 
 private:
@@ -119,31 +129,87 @@ private:
         return look_at(c.eye, c.eye + c.forward, c.up, c.vertical_fov);
     }
 
-    void draw_pixel(int x, int y, float start, NormalCache& normals, Image& image) const {
-        const std::uint32_t seed = shared::pixel_seed(
-            static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), options_.frame);
-        vec3 sum(0.0f);
-        float depth = 0.0f;
-        for (int i = 0; i < options_.samples; ++i) {
+    /// A primary hit whose secondary rays are on their way.
+    struct Waiting {
+        std::size_t pixel;
+        vec3 normal;
+        vec3 lamp;  // its light, where nothing is in the way
+        std::size_t sky_group;
+        std::size_t lamp_group;
+        int sky_rays = 0;
+        int lamp_rays = 0;
+    };
+
+    /// What the pixels of a tile share, for one sample of each at a time.
+    struct Tile {
+        Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
+            : normals(thread_normals),
+              sky_queue(p.whole_dag_, p.ao_stop_),
+              lamp_queue(p.whole_dag_, {0, 0.0f, 0.0f}) {
+            for (int y = y0; y < y1; ++y)
+                for (int x = x0; x < x1; ++x) {
+                    pixels.emplace_back(x, y);
+                    seeds.push_back(shared::pixel_seed(static_cast<std::uint32_t>(x),
+                                                       static_cast<std::uint32_t>(y),
+                                                       p.options_.frame));
+                }
+            sums.resize(pixels.size(), vec3(0.0f));
+            directions.resize(pixels.size());
+            rays.resize(pixels.size());
+            hits.resize(pixels.size());
+        }
+
+        NormalCache& normals;
+        std::vector<ivec2> pixels;
+        std::vector<std::uint32_t> seeds;
+        std::vector<vec3> sums;
+        std::vector<dvec3> directions;
+        std::vector<shared::GridRay> rays;
+        std::vector<shared::GridHit> hits;
+        std::vector<Waiting> waiting;
+        RayQueue sky_queue;
+        RayQueue lamp_queue;
+    };
+
+    void trace_primary(Tile& tile, int i, float start) const {
+        for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             vec2 at(0.5f);
             if (options_.samples > 1)
-                at = shared::sample_2d(static_cast<std::uint32_t>(i), seed ^ 0x2545f491u);
-            const dvec3 dir = rays_.direction(x + at.x, y + at.y);
-            shared::GridRay ray = rays_.ray(x + at.x, y + at.y);
-            ray.t_min = start;
-            shared::GridHit hit = shared::make_miss(ray.t_max, 0);
-            if (!rays_.sees_nothing() && start < ray.t_max)
-                hit = trace_closest(dag_, ray, primary_stop_);
-            const bool found = hit.face != shared::kFaceNone;
-            sum +=
-                found ? shade(ray, move_to_open_face(dag_, ray, hit), i, seed, normals) : sky(dir);
-            if (i == 0)
-                depth = found ? static_cast<float>((rays_.t_before() + hit.t) * grid_.voxel_size)
-                              : std::numeric_limits<float>::infinity();
+                at = shared::sample_2d(static_cast<std::uint32_t>(i), tile.seeds[k] ^ 0x2545f491u);
+            const double x = tile.pixels[k].x + static_cast<double>(at.x);
+            const double y = tile.pixels[k].y + static_cast<double>(at.y);
+            tile.directions[k] = rays_.direction(x, y);
+            tile.rays[k] = rays_.ray(x, y);
+            tile.rays[k].t_min = start;
+            tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        const std::size_t index = image.index(x, y);
-        image.color[index] = sum / static_cast<float>(options_.samples);
-        image.depth[index] = depth;
+        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
+            trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+    }
+
+    void write_depths(const Tile& tile, Image& image) const {
+        for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
+            const bool found = tile.hits[k].face != shared::kFaceNone;
+            image.depth[image.index(tile.pixels[k].x, tile.pixels[k].y)] =
+                found ? static_cast<float>((rays_.t_before() + tile.hits[k].t) * grid_.voxel_size)
+                      : std::numeric_limits<float>::infinity();
+        }
+    }
+
+    /// Shades sample i of each pixel: first all secondary rays, then the light that they leave.
+    void add_samples(Tile& tile, int i) const {
+        tile.waiting.clear();
+        tile.sky_queue.clear();
+        tile.lamp_queue.clear();
+        for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
+            if (tile.hits[k].face == shared::kFaceNone)
+                tile.sums[k] += sky(tile.directions[k]);
+            else
+                send_rays(tile, k, i);
+        }
+        tile.sky_queue.trace();
+        tile.lamp_queue.trace();
+        for (const Waiting& w : tile.waiting) tile.sums[w.pixel] += shade(w, tile);
     }
 
     [[nodiscard]] vec3 sky(const dvec3& direction) const {
@@ -158,27 +224,56 @@ private:
         return {i * each, (i + 1) * each};
     }
 
-    [[nodiscard]] vec3 shade(const shared::GridRay& ray, const shared::GridHit& hit, int i,
-                             std::uint32_t seed, NormalCache& normals) const {
+    /// Queues the rays that say how much light sample i of pixel k gets.
+    void send_rays(Tile& tile, std::size_t k, int i) const {
+        const shared::GridRay& ray = tile.rays[k];
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        const std::uint32_t seed = tile.seeds[k];
         vec3 normal = face_normal(ray, hit);
         shared::GridRay start = leave_hit(ray, hit, normal);
         int face = hit.face;
         if (options_.smooth_normals) {
-            normal = normals.get(dag_, ray, hit);
+            normal = tile.normals.get(dag_, ray, hit);
             if (lift(start, kLift * static_cast<float>(1 << hit.height) * normal))
                 face = shared::kFaceNone;
         }
 
-        float open = 1.0f;
+        Waiting w{k, normal, vec3(0.0f), tile.sky_queue.begin_group(),
+                  tile.lamp_queue.begin_group()};
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
-            const int seen = sky_samples_seen(dag_, start, face, normal, ao_radius_, ao_stop_,
-                                              some.x, some.y, seed ^ 0x68bc21ebu);
-            open = static_cast<float>(seen) / static_cast<float>(some.y - some.x);
+            w.sky_rays = some.y - some.x;
+            for (int n = some.x; n < some.y; ++n)
+                tile.sky_queue.add(sky_ray(start, face, normal, ao_radius_, n, seed ^ 0x68bc21ebu));
         }
-        const float facing_up = 0.5f + 0.5f * glm::dot(normal, vec3(up_));
-        const vec3 ambient = open * glm::mix(kGroundLight, kSkyLight, facing_up);
-        return kClay * (ambient + direct_light(start, face, normal, i, seed));
+        SeenLamp lamp =
+            see_lamp(light_, options_.light_size, grid_, dvec3(start.cell) + dvec3(start.frac));
+        const float cosine = glm::dot(normal, glm::normalize(lamp.disc.to_centre));
+        if (cosine > 0.0f && lamp.strength > 0.0f) {
+            w.lamp = light_.intensity * (cosine * lamp.strength * 0.31830989f);
+            if (options_.shadows != Shadows::none) {
+                ivec2 some = share(options_.shadow_samples, i);
+                if (options_.shadows == Shadows::hard) {
+                    lamp.disc.radius = 0.0f;
+                    some = {i, i + 1};
+                }
+                w.lamp_rays = some.y - some.x;
+                queue_lamp_rays(dag_, start, face, lamp.disc, some.x, some.y, seed ^ 0x02e5be93u,
+                                options_.beam, tile.lamp_queue);
+            }
+        }
+        tile.waiting.push_back(w);
+    }
+
+    [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
+        const auto part = [](int seen, int rays) {
+            return rays == 0 ? 1.0f : static_cast<float>(seen) / static_cast<float>(rays);
+        };
+        const float facing_up = 0.5f + 0.5f * glm::dot(w.normal, vec3(up_));
+        const vec3 ambient = part(tile.sky_queue.seen(w.sky_group), w.sky_rays) *
+                             glm::mix(kGroundLight, kSkyLight, facing_up);
+        const vec3 direct = part(tile.lamp_queue.seen(w.lamp_group), w.lamp_rays) * w.lamp;
+        return kClay * (ambient + direct);
     }
 
     /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
@@ -197,44 +292,7 @@ private:
         return false;
     }
 
-    /// Irradiance of the lamp, over pi.
-    [[nodiscard]] vec3 direct_light(const shared::GridRay& start, int face, const vec3& normal,
-                                    int i, std::uint32_t seed) const {
-        shared::LampDisc lamp{-vec3(light_.direction), static_cast<float>(options_.light_size),
-                              1e30f};
-        float strength = 1.0f;
-        if (light_.kind != Light::Kind::sun) {
-            const dvec3 way =
-                grid_.to_grid(light_.position) - dvec3(start.cell) - dvec3(start.frac);
-            lamp = {vec3(way), static_cast<float>(options_.light_size / grid_.voxel_size), 1.0f};
-            const double distance = glm::length(way) * grid_.voxel_size;
-            strength = static_cast<float>(1.0 / std::max(distance * distance, 1e-30));
-            if (light_.kind == Light::Kind::spot) strength *= spot_falloff(-glm::normalize(way));
-        }
-        const float cosine = glm::dot(normal, glm::normalize(lamp.to_centre));
-        if (!(cosine > 0.0f) || strength == 0.0f) return vec3(0.0f);
-
-        float seen = 1.0f;
-        if (options_.shadows != Shadows::none) {
-            ivec2 some = share(options_.shadow_samples, i);
-            if (options_.shadows == Shadows::hard) {
-                lamp.radius = 0.0f;
-                some = {i, i + 1};
-            }
-            const int rays_seen = lamp_samples_seen(dag_, start, face, lamp, {0, 0.0f, 0.0f},
-                                                    some.x, some.y, seed ^ 0x02e5be93u);
-            seen = static_cast<float>(rays_seen) / static_cast<float>(some.y - some.x);
-        }
-        return light_.intensity * (seen * cosine * strength * 0.31830989f);
-    }
-
-    [[nodiscard]] float spot_falloff(const dvec3& from_light) const {
-        const double cosine = glm::dot(from_light, light_.direction);
-        const double outer = std::cos(light_.outer_angle);
-        const double inner = std::max(std::cos(light_.inner_angle), outer + 1e-9);
-        return static_cast<float>(glm::smoothstep(outer, inner, cosine));
-    }
-
+    const Dag& whole_dag_;
     shared::DagView dag_;
     const Grid& grid_;
     const RenderOptions& options_;
@@ -275,6 +333,7 @@ Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
     check(options);
     const Picture picture(dag, grid, options);
     Image image(options.width, options.height);
+    tbb::enumerable_thread_specific<NormalCache> normals;
     Reporter reporter(options.progress, image.color.size());
     const int columns = (options.width + kTile - 1) / kTile;
     const int rows = (options.height + kTile - 1) / kTile;
@@ -285,7 +344,7 @@ Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
                 for (int t = tiles.begin(); t != tiles.end(); ++t) {
                     const int x = t % columns * kTile;
                     const int y = t / columns * kTile;
-                    picture.draw_tile(x, y, image);
+                    picture.draw_tile(x, y, normals.local(), image);
                     reporter.add(static_cast<std::uint64_t>(std::min(kTile, options.width - x) *
                                                             std::min(kTile, options.height - y)));
                 }

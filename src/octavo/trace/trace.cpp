@@ -5,9 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "octavo/trace/dag_view.h"
+#include "octavo/trace/wide.h"
 
 namespace octavo {
 namespace {
@@ -109,11 +111,35 @@ Ray to_grid(const Grid& grid, const Ray& world) {
             world.t_max};
 }
 
+/// Some rays of an array, as the vector walk wants them: those that miss the grid are left out.
+struct PreparedRays {
+    std::array<PreparedRay, kRaysPerTask> prepared;
+    std::array<Ray, kRaysPerTask> grid_rays;
+    std::array<shared::GridRay, kRaysPerTask> rays;
+    std::array<std::size_t, kRaysPerTask> places;  // in the array that they came from
+    std::size_t count = 0;
+
+    void add(const Dag& dag, const Ray& ray, std::size_t place, const TraceOptions& options) {
+        prepared[count] = prepare(dag, ray, options);
+        if (!prepared[count].meets_grid) return;
+        grid_rays[count] = ray;
+        rays[count] = prepared[count].ray;
+        places[count] = place;
+        ++count;
+    }
+    [[nodiscard]] std::span<const shared::GridRay> all() const {
+        return std::span(rays).first(count);
+    }
+};
+
+/// Calls trace(first, count) for parts of an array, on all threads.
 template <typename Trace>
-void for_each_ray(std::size_t count, const Trace& trace) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask),
-                      [&](const tbb::blocked_range<std::size_t>& some) {
-                          for (std::size_t i = some.begin(); i != some.end(); ++i) trace(i);
+void for_each_task(std::size_t count, const Trace& trace) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, (count + kRaysPerTask - 1) / kRaysPerTask),
+                      [&](const tbb::blocked_range<std::size_t>& tasks) {
+                          for (std::size_t i = tasks.begin(); i != tasks.end(); ++i)
+                              trace(i * kRaysPerTask,
+                                    std::min(kRaysPerTask, count - i * kRaysPerTask));
                       });
 }
 
@@ -149,16 +175,49 @@ bool trace_any(const Dag& dag, const Grid& grid, const Ray& world_ray,
     return trace_any(dag, to_grid(grid, world_ray), options);
 }
 
+// A cone is measured in multiples of each ray's own direction: then they go one by one.
+
 void trace_closest(const Dag& dag, const Grid& grid, std::span<const Ray> rays, std::span<Hit> hits,
                    const TraceOptions& options) noexcept {
-    for_each_ray(rays.size(),
-                 [&](std::size_t i) { hits[i] = trace_closest(dag, grid, rays[i], options); });
+    for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
+        if (options.cone != 0.0) {
+            for (std::size_t i = first; i < first + count; ++i)
+                hits[i] = trace_closest(dag, grid, rays[i], options);
+            return;
+        }
+        PreparedRays some;
+        std::array<shared::GridHit, kRaysPerTask> found;
+        for (std::size_t i = 0; i < count; ++i) {
+            hits[first + i] = {};
+            some.add(dag, to_grid(grid, rays[first + i]), first + i, options);
+        }
+        if (some.count == 0) return;
+        trace_closest_wide(dag, some.all(), {some.prepared[0].stop.height, 0.0f, 0.0f},
+                           std::span(found).first(some.count));
+        for (std::size_t i = 0; i < some.count; ++i)
+            hits[some.places[i]] = to_hit(dag, some.grid_rays[i], some.prepared[i], found[i]);
+    });
 }
 
 void trace_any(const Dag& dag, const Grid& grid, std::span<const Ray> rays,
                std::span<std::uint8_t> occluded, const TraceOptions& options) noexcept {
-    for_each_ray(rays.size(),
-                 [&](std::size_t i) { occluded[i] = trace_any(dag, grid, rays[i], options); });
+    for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
+        if (options.cone != 0.0) {
+            for (std::size_t i = first; i < first + count; ++i)
+                occluded[i] = trace_any(dag, grid, rays[i], options);
+            return;
+        }
+        PreparedRays some;
+        std::array<std::uint8_t, kRaysPerTask> found;
+        for (std::size_t i = 0; i < count; ++i) {
+            occluded[first + i] = 0;
+            some.add(dag, to_grid(grid, rays[first + i]), first + i, options);
+        }
+        if (some.count == 0) return;
+        trace_any_wide(dag, some.all(), {some.prepared[0].stop.height, 0.0f, 0.0f},
+                       std::span(found).first(some.count));
+        for (std::size_t i = 0; i < some.count; ++i) occluded[some.places[i]] = found[i];
+    });
 }
 
 Ray leave_hit(const Dag& dag, const Ray& grid_ray, const Hit& hit,

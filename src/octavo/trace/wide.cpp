@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/trace/wide.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octavo/trace/wide.cpp"
+#include <hwy/foreach_target.h>
+// Must follow foreach_target.h.
+#include <hwy/highway.h>
+
+#include "octavo/trace/wide_batch-inl.h"
+#include "octavo/trace/wide_walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo::HWY_NAMESPACE {
+
+/// Keeps two vectors of rays in flight, so that one computes while the other waits for memory.
+template <bool kCone, class Results>
+HWY_INLINE void walk_all(shared::DagView dag, std::span<const shared::GridRay> rays,
+                         shared::Stop stop, Results& results) {
+    BatchReader reader(dag, rays, stop);
+    Walk<kCone> first(dag, stop);
+    Walk<kCone> second(dag, stop);
+    while (true) {
+        const bool more = first.refill(reader) | second.refill(reader);
+        if (!more && first.idle() && second.idle()) return;
+        first.step(results);
+        second.step(results);
+    }
+}
+
+/// Marks the rays that hit something.
+struct AnyResults {
+    std::uint8_t* occluded;
+
+    HWY_INLINE void add(const HitLanes& lanes) {
+        HWY_ALIGN std::int32_t ray[kLanes];
+        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, IntTag(), ray);
+        for (std::size_t i = 0; i < count; ++i) occluded[ray[i]] = 1;
+    }
+};
+
+/// shared::make_hit() for a vector of rays.
+struct ClosestResults {
+    int depth;
+    shared::GridHit* hits;
+
+    HWY_INLINE void add(const HitLanes& lanes) {
+        const FloatTag df;
+        const IntTag di;
+        const Ints one = hn::Set(di, 1);
+        const Floats x = lanes.entry[0], y = lanes.entry[1], z = lanes.entry[2];
+        const Ints y_or_z = hn::IfThenElse(hn::RebindMask(di, hn::Ge(y, z)), one, hn::Set(di, 2));
+        const Ints axis = hn::IfThenZeroElse(hn::RebindMask(di, hn::Ge(x, hn::Max(y, z))), y_or_z);
+        const Ints falls = hn::And(hn::Shr(lanes.down, axis), one);
+        const IntMask inside = hn::RebindMask(di, hn::Lt(max3(x, y, z), lanes.t));
+        const Ints face = hn::IfThenElse(inside, hn::Set(di, shared::kFaceInside),
+                                         hn::Add(hn::Add(axis, axis), falls));
+        const Ints last = hn::Sub(hn::Shl(one, hn::Sub(hn::Set(di, depth), lanes.height)), one);
+
+        HWY_ALIGN std::int32_t ray[kLanes], path[3][kLanes], height[kLanes], faces[kLanes];
+        HWY_ALIGN float t[kLanes];
+        for (int a = 0; a < 3; ++a) {
+            const Ints bit = hn::Set(di, 1 << a);
+            const IntMask down = hn::TestBit(lanes.down, bit);
+            const Ints real =
+                hn::Xor(hn::Shr(lanes.corner[a], lanes.height), hn::IfThenElseZero(down, last));
+            hn::CompressStore(real, lanes.hit, di, path[a]);
+        }
+        hn::CompressStore(lanes.height, lanes.hit, di, height);
+        hn::CompressStore(face, lanes.hit, di, faces);
+        hn::CompressStore(lanes.t, hn::RebindMask(df, lanes.hit), df, t);
+        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, di, ray);
+        for (std::size_t i = 0; i < count; ++i)
+            hits[ray[i]] = {t[i], uvec3(path[0][i], path[1][i], path[2][i]), height[i], faces[i],
+                            0};
+    }
+};
+
+void TraceClosest(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop,
+                  shared::GridHit* hits) {
+    ClosestResults results{dag.depth, hits};
+    if (stop.cone > 0.0f)
+        walk_all<true>(dag, rays, stop, results);
+    else
+        walk_all<false>(dag, rays, stop, results);
+}
+
+void TraceAny(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop,
+              std::uint8_t* occluded) {
+    AnyResults results{occluded};
+    if (stop.cone > 0.0f)
+        walk_all<true>(dag, rays, stop, results);
+    else
+        walk_all<false>(dag, rays, stop, results);
+}
+
+}  // namespace octavo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace octavo {
+namespace {
+
+/// Below a leaf's depth there are no nodes to walk, a root that may be a hit needs no walk, and
+/// gathers count words in 31 bits: for all these the shared text is fast enough.
+bool fits_lanes(const Dag& dag, const shared::Stop& stop) {
+    return dag.depth() >= 3 && stop.height < dag.depth() && dag.words().size() < (1u << 31);
+}
+
+}  // namespace
+
+HWY_EXPORT(TraceClosest);
+HWY_EXPORT(TraceAny);
+
+void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
+                        std::span<shared::GridHit> hits) noexcept {
+    const shared::DagView view = shared::view(dag);
+    if (!fits_lanes(dag, stop)) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = shared::trace_closest(view, rays[i], stop);
+        return;
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = shared::make_miss(rays[i].t_max, 0);
+    if (!dag.empty()) HWY_DYNAMIC_DISPATCH(TraceClosest)(view, rays, stop, hits.data());
+}
+
+void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
+                    std::span<std::uint8_t> occluded) noexcept {
+    const shared::DagView view = shared::view(dag);
+    if (!fits_lanes(dag, stop)) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            occluded[i] = shared::trace_any(view, rays[i], stop) ? 1 : 0;
+        return;
+    }
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    if (!dag.empty()) HWY_DYNAMIC_DISPATCH(TraceAny)(view, rays, stop, occluded.data());
+}
+
+}  // namespace octavo
+#endif

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+//
+// Sets rays up for the vector walk, a batch at a time: mirrored, clipped to the grid, those that
+// miss the grid left out, and placed in the smallest cell that holds the starts of all of them.
+// Compiled once for each SIMD target.
+#if defined(OCTAVO_TRACE_WIDE_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_TRACE_WIDE_BATCH_INL_H
+#undef OCTAVO_TRACE_WIDE_BATCH_INL_H
+#else
+#define OCTAVO_TRACE_WIDE_BATCH_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "octavo/trace/wide.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::ScalableTag<float>;
+using IntTag = hn::RebindToSigned<FloatTag>;
+using Floats = hn::Vec<FloatTag>;
+using Ints = hn::Vec<IntTag>;
+using FloatMask = hn::Mask<FloatTag>;
+using IntMask = hn::Mask<IntTag>;
+constexpr std::size_t kLanes = HWY_LANES(float);
+
+HWY_INLINE Floats max3(Floats x, Floats y, Floats z) {
+    return hn::Max(x, hn::Max(y, z));
+}
+HWY_INLINE Floats min3(Floats x, Floats y, Floats z) {
+    return hn::Min(x, hn::Min(y, z));
+}
+
+/// shared::plane_time() on one axis of many rays.
+HWY_INLINE Floats plane_time(Ints plane, Ints cell, Floats frac, Floats inv_dir) {
+    return hn::Mul(hn::Sub(hn::ConvertTo(FloatTag(), hn::Sub(plane, cell)), frac), inv_dir);
+}
+
+/// An array for each number, and room for a vector after the last.
+struct Batch {
+    static constexpr std::size_t kSize = kRaysPerBatch + kLanes;
+
+    HWY_ALIGN std::int32_t cell[3][kSize];
+    HWY_ALIGN float frac[3][kSize];
+    HWY_ALIGN float inv_dir[3][kSize];
+    HWY_ALIGN float t[kSize];
+    HWY_ALIGN float t_end[kSize];
+    HWY_ALIGN std::int32_t down[kSize];  // a child number: the axes that are mirrored
+    HWY_ALIGN std::int32_t ray[kSize];
+
+    // The cell that the ray starts in, one below the node that holds the batch, or below the root.
+    HWY_ALIGN std::int32_t corner[3][kSize];
+    HWY_ALIGN std::int32_t height[kSize];
+    HWY_ALIGN std::int32_t node[kSize];  // its parent
+
+    std::size_t count = 0;
+    int top = 0;                        // height of the node that holds the batch
+    std::int32_t nodes[kMaxDepth + 1];  // by height, from the root to `top`
+};
+
+/// Hands out rays in batches.
+class BatchReader {
+public:
+    BatchReader(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop)
+        : dag_(dag), rays_(rays), stop_(stop) {}
+
+    /// Rays of the batch that are still to be taken; makes the next batch where there are none.
+    [[nodiscard]] std::size_t available() {
+        while (next_ == batch_.count && next_ray_ < rays_.size()) read_batch();
+        return batch_.count - next_;
+    }
+    /// The place in batch() of the next ray, and takes this many.
+    std::size_t take(std::size_t count) {
+        const std::size_t first = next_;
+        next_ += count;
+        return first;
+    }
+    [[nodiscard]] const Batch& batch() const { return batch_; }
+
+private:
+    static constexpr int kRayWords = sizeof(shared::GridRay) / 4;
+    static_assert(sizeof(shared::GridRay) == 44 && offsetof(shared::GridRay, t_max) == 40);
+
+    void read_batch() {
+        const std::size_t count = std::min(kRaysPerBatch, rays_.size() - next_ray_);
+        batch_.count = 0;
+        next_ = 0;
+        for (std::size_t i = 0; i < count; i += kLanes)
+            read_vector(next_ray_ + i, std::min(kLanes, count - i));
+        next_ray_ += count;
+        if (batch_.count > 0) place();
+    }
+
+    void read_vector(std::size_t first, std::size_t count) {
+        const FloatTag df;
+        const IntTag di;
+        const float* words = &rays_[first].frac.x - 3;
+        const auto* whole = reinterpret_cast<const std::int32_t*>(&rays_[first].cell.x);
+        const Ints lane = hn::Iota(di, 0);
+        const Ints at = hn::Mul(hn::Min(lane, hn::Set(di, static_cast<int>(count) - 1)),
+                                hn::Set(di, kRayWords));
+
+        Floats low = hn::GatherIndex(df, words + 9, at);
+        Floats high = hn::GatherIndex(df, words + 10, at);
+        Ints down = hn::Zero(di);
+        Ints cell[3];
+        Floats frac[3], inv_dir[3], entry[3], leave[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const Ints real = hn::GatherIndex(di, whole + axis, at);
+            const Floats part = hn::GatherIndex(df, words + 3 + axis, at);
+            const Floats dir = hn::GatherIndex(df, words + 6 + axis, at);
+            const FloatMask falls = hn::Lt(dir, hn::Zero(df));
+            const IntMask falls_int = hn::RebindMask(di, falls);
+            const Ints side = hn::Set(di, 1 << dag_.depth);
+            cell[axis] = hn::IfThenElse(falls_int, hn::Sub(side, real), real);
+            frac[axis] = hn::IfThenElse(falls, hn::Neg(part), part);
+            inv_dir[axis] = hn::Div(hn::Set(df, 1.0f), hn::Max(hn::Abs(dir), hn::Set(df, 1e-20f)));
+            down = hn::Or(down, hn::IfThenElseZero(falls_int, hn::Set(di, 1 << axis)));
+            entry[axis] = plane_time(hn::Zero(di), cell[axis], frac[axis], inv_dir[axis]);
+            leave[axis] = plane_time(side, cell[axis], frac[axis], inv_dir[axis]);
+        }
+        // Where one is not a number, Max and Min give their second: the ray then misses.
+        low = hn::Max(max3(entry[0], entry[1], entry[2]), low);
+        high = hn::Min(min3(leave[0], leave[1], leave[2]), high);
+
+        const FloatMask live = hn::And(hn::Lt(low, high), hn::FirstN(df, count));
+        const IntMask live_int = hn::RebindMask(di, live);
+        const std::size_t n = batch_.count;
+        for (int axis = 0; axis < 3; ++axis) {
+            hn::CompressStore(cell[axis], live_int, di, batch_.cell[axis] + n);
+            hn::CompressStore(frac[axis], live, df, batch_.frac[axis] + n);
+            hn::CompressStore(inv_dir[axis], live, df, batch_.inv_dir[axis] + n);
+        }
+        hn::CompressStore(low, live, df, batch_.t + n);
+        hn::CompressStore(high, live, df, batch_.t_end + n);
+        hn::CompressStore(down, live_int, di, batch_.down + n);
+        const Ints ray = hn::Add(lane, hn::Set(di, static_cast<int>(first)));
+        batch_.count = n + hn::CompressStore(ray, live_int, di, batch_.ray + n);
+    }
+
+    /// The real cell that the ray is in when it starts: nearly always, see place().
+    HWY_INLINE Ints start_cell(std::size_t i, int axis) const {
+        const FloatTag df;
+        const IntTag di;
+        const Floats way =
+            hn::Div(hn::Load(df, batch_.t + i), hn::Load(df, batch_.inv_dir[axis] + i));
+        const Floats offset = hn::Floor(hn::Add(hn::Load(df, batch_.frac[axis] + i), way));
+        const Ints last = hn::Set(di, (1 << dag_.depth) - 1);
+        const Ints up = hn::Add(hn::Load(di, batch_.cell[axis] + i), hn::ConvertTo(di, offset));
+        const Ints inside = hn::Min(hn::Max(up, hn::Zero(di)), last);
+        return hn::Xor(inside, hn::And(last, is_down(i, axis)));
+    }
+    /// All bits where the axis is mirrored.
+    HWY_INLINE Ints is_down(std::size_t i, int axis) const {
+        const IntTag di;
+        const Ints bit = hn::Set(di, 1 << axis);
+        return hn::VecFromMask(di, hn::Eq(hn::And(hn::Load(di, batch_.down + i), bit), bit));
+    }
+
+    /// Finds the node that holds all starts, and the first cell of each ray in it. Rounding may put
+    /// a ray outside after all: it then starts at the root.
+    void place() {
+        const FloatTag df;
+        const IntTag di;
+        Ints differ = hn::Zero(di);
+        ivec3 first;
+        float latest = batch_.t[0];
+        for (int axis = 0; axis < 3; ++axis) {
+            const Ints one = start_cell(0, axis);
+            first[axis] = hn::GetLane(one);
+            for (std::size_t i = 0; i < batch_.count; i += kLanes) {
+                const Ints other = hn::Xor(start_cell(i, axis), hn::Set(di, first[axis]));
+                const IntMask in = hn::RebindMask(di, hn::FirstN(df, batch_.count - i));
+                differ = hn::Or(differ, hn::IfThenElseZero(in, other));
+            }
+        }
+        for (std::size_t i = 1; i < batch_.count; ++i) latest = std::max(latest, batch_.t[i]);
+        HWY_ALIGN std::int32_t differ_lanes[kLanes];
+        hn::Store(differ, di, differ_lanes);
+        std::uint32_t any = 0;
+        for (const std::int32_t d : differ_lanes) any |= static_cast<std::uint32_t>(d);
+        descend(first, std::bit_width(any), latest);
+
+        for (std::size_t i = 0; i < batch_.count; i += kLanes) {
+            const Floats t = hn::Load(df, batch_.t + i);
+            const Ints width = hn::Set(di, 1 << batch_.top);
+            Ints corner[3];
+            FloatMask inside = hn::FirstN(df, batch_.count - i);
+            for (int axis = 0; axis < 3; ++axis) {
+                const Ints last = hn::Set(di, (1 << dag_.depth) - 1);
+                const Ints up = hn::Xor(hn::Set(di, first[axis]), hn::And(last, is_down(i, axis)));
+                corner[axis] = hn::And(up, hn::Set(di, -(1 << batch_.top)));
+                inside = hn::And(inside, hn::Le(time(corner[axis], i, axis), t));
+                inside = hn::And(inside, hn::Gt(time(hn::Add(corner[axis], width), i, axis), t));
+            }
+            const IntMask in = hn::RebindMask(di, inside);
+            const Ints child =
+                hn::IfThenElse(in, hn::Set(di, batch_.top - 1), hn::Set(di, dag_.depth - 1));
+            const Ints half = hn::Shl(hn::Set(di, 1), child);
+            for (int axis = 0; axis < 3; ++axis) {
+                const Ints low = hn::IfThenElseZero(in, corner[axis]);
+                const IntMask high =
+                    hn::RebindMask(di, hn::Le(time(hn::Add(low, half), i, axis), t));
+                hn::Store(hn::Add(low, hn::IfThenElseZero(high, half)), di,
+                          batch_.corner[axis] + i);
+            }
+            hn::Store(child, di, batch_.height + i);
+            hn::Store(hn::IfThenElseZero(in, hn::Set(di, batch_.nodes[batch_.top])), di,
+                      batch_.node + i);
+        }
+    }
+
+    HWY_INLINE Floats time(Ints plane, std::size_t i, int axis) const {
+        return plane_time(plane, hn::Load(IntTag(), batch_.cell[axis] + i),
+                          hn::Load(FloatTag(), batch_.frac[axis] + i),
+                          hn::Load(FloatTag(), batch_.inv_dir[axis] + i));
+    }
+
+    /// From the root towards a cell, while nodes exist, are this high or higher, and no ray of the
+    /// batch may stop at them.
+    void descend(const ivec3& cell, int least, float latest) {
+        int height = dag_.depth;
+        std::uint32_t node = 0;
+        batch_.nodes[height] = 0;
+        while (height > std::max({least, 3, stop_.height + 1})) {
+            // Rounded up, for times that differ from the ray's own in the last bits.
+            const float stops_below = (stop_.time_before + latest) * stop_.cone * 1.001f;
+            if (!(static_cast<float>(1 << (height - 1)) > stops_below)) break;
+            const int child = shared::child_number((cell >> (height - 1)) & 1);
+            if ((shared::dag_load(dag_, node) & (1u << child)) == 0) break;
+            node = shared::load_child(dag_, node, 1u << child);
+            --height;
+            batch_.nodes[height] = static_cast<std::int32_t>(node);
+        }
+        batch_.top = height;
+    }
+
+    shared::DagView dag_;
+    std::span<const shared::GridRay> rays_;
+    shared::Stop stop_;
+    std::size_t next_ray_ = 0;
+    std::size_t next_ = 0;
+    Batch batch_;
+};
+
+}  // namespace octavo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

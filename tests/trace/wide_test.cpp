@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/trace/wide.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "octavo/voxelize/tile_rasterizer.h"
+#include "support/random_rays.h"
+#include "support/small_dags.h"
+
+namespace octavo {
+namespace {
+
+namespace s = shared;
+
+s::GridRay grid_ray(const Ray& ray) {
+    const dvec3 cell = glm::floor(ray.origin);
+    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
+}
+
+/// Runs each test on every SIMD target of this machine, and puts the choice back.
+class Wide : public testing::TestWithParam<const char*> {
+protected:
+    void SetUp() override { force_simd_target(GetParam()); }
+    void TearDown() override { force_simd_target(nullptr); }
+};
+INSTANTIATE_TEST_SUITE_P(AllTargets, Wide, testing::ValuesIn(simd_targets()),
+                         [](const auto& target) { return std::string(target.param); });
+
+void expect_same(const Dag& dag, const std::vector<s::GridRay>& rays, const s::Stop& stop,
+                 const std::string& what) {
+    std::vector<s::GridHit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size(), 77);
+    trace_closest_wide(dag, rays, stop, hits);
+    trace_any_wide(dag, rays, stop, occluded);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const s::GridHit hit = trace_closest(s::view(dag), rays[i], stop);
+        ASSERT_EQ(hit.face, hits[i].face) << what << " ray " << i;
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(hit.t), std::bit_cast<std::uint32_t>(hits[i].t))
+            << what << " ray " << i;
+        ASSERT_EQ(hit.path, hits[i].path) << what << " ray " << i;
+        ASSERT_EQ(hit.height, hits[i].height) << what << " ray " << i;
+        ASSERT_EQ(hit.face != s::kFaceNone ? 1 : 0, occluded[i]) << what << " ray " << i;
+    }
+}
+
+TEST_P(Wide, GivesTheBitsOfTheSharedText) {
+    for (int depth = 2; depth <= 17; ++depth)
+        for (const Dag& dag :
+             {test::dust(depth, 0.5, 4), test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)}) {
+            test::RandomRays random(static_cast<std::uint32_t>(depth),
+                                    static_cast<int>(dag.resolution()));
+            std::vector<s::GridRay> rays;
+            for (int i = 0; i < 1200; ++i) {
+                rays.push_back(grid_ray(random(static_cast<test::RandomRays::Kind>(i / 200))));
+                if (i % 5 == 0) rays.back().t_max = static_cast<float>(dag.resolution()) * 0.4f;
+                if (i % 7 == 0) rays.back().t_min = static_cast<float>(dag.resolution()) * 0.2f;
+                if (i % 11 == 0) rays.back().t_min = -1e9f;
+            }
+            const std::string what = "depth " + std::to_string(depth);
+            expect_same(dag, rays, {0, 0.0f, 0.0f}, what);
+            expect_same(dag, rays, {1, 0.0f, 0.0f}, what + " to blocks");
+            expect_same(dag, rays, {depth / 2, 0.0f, 0.0f}, what + " to half");
+            expect_same(dag, rays, {depth, 0.0f, 0.0f}, what + " to the root");
+            expect_same(dag, rays, {0, 0.01f, 0.0f}, what + " cone");
+            expect_same(dag, rays, {0, 0.1f, 20.0f}, what + " cone, from before");
+            for (const std::size_t count : {0, 1, 15, 16, 17, 65})
+                expect_same(dag, {rays.begin(), rays.begin() + static_cast<std::ptrdiff_t>(count)},
+                            {0, 0.0f, 0.0f}, what + " few rays");
+        }
+}
+
+TEST_P(Wide, GivesTheBitsForRaysThatLeaveOneFace) {
+    for (const int depth : {3, 8, 12, 17}) {
+        const Dag dag = test::dust(depth, 0.6, 8);
+        test::RandomRays random(2, static_cast<int>(dag.resolution()));
+        std::vector<s::GridRay> rays;
+        while (rays.size() < 64 * 40) {
+            const s::GridRay ray = grid_ray(random(test::RandomRays::outside));
+            const s::GridHit hit = trace_closest(s::view(dag), ray, {0, 0.0f, 0.0f});
+            if (hit.face >= s::kFaceInside) continue;
+            for (int i = 0; i < 64; ++i) {
+                dvec3 away = random.direction();
+                if (i % 4 == 0) away[random.integer(0, 2)] = 0.0;
+                rays.push_back(leave_hit(ray, hit, vec3(away)));
+                rays.back().t_max = static_cast<float>(random.uniform(0, 100));
+            }
+        }
+        expect_same(dag, rays, {0, 0.0f, 0.0f}, "depth " + std::to_string(depth));
+        expect_same(dag, rays, {0, 0.15f, 0.0f}, "depth " + std::to_string(depth) + " cone");
+    }
+}
+
+TEST_P(Wide, NotANumberEndsWithoutAHit) {
+    const Dag dag = test::dust(9, 0.9, 1);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::vector<s::GridRay> rays(100, {ivec3(4), vec3(0.5f), vec3(0.1f, 0.3f, 1.0f), 0.0f, 1e9f});
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        (i % 2 == 0 ? rays[i].t_min : rays[i].t_max) = nan;
+    expect_same(dag, rays, {0, 0.0f, 0.0f}, "nan");
+}
+
+TEST_P(Wide, EmptyDagIsMissed) {
+    const Dag empty = test::SmallDagBuilder(9).freeze(0);
+    expect_same(empty, {100, grid_ray({{1, 1, -5}, {0, 0, 1}})}, {0, 0.0f, 0.0f}, "empty");
+}
+
+}  // namespace
+}  // namespace octavo
