@@ -35,8 +35,9 @@
 #include "octavo/mesh/scene.h"
 
 // Triangles to voxels to a DAG.
-#include "octavo/construct/build.h"  // build: a Scene and BuildOptions -> a Dag and its Grid
-#include "octavo/voxelize/rule.h"    // VoxelRule: which voxels a triangle marks
+#include "octavo/construct/build.h"     // build: a Scene and BuildOptions -> a Dag and its Grid
+#include "octavo/construct/estimate.h"  // estimate_build: what a build will take
+#include "octavo/voxelize/rule.h"       // VoxelRule: which voxels a triangle marks
 
 // The thing itself.
 #include "octavo/dag/dag.h"         // Dag: one array of 32-bit words
@@ -51,5 +52,6 @@
 #include "octavo/trace/trace.h"  // Ray, Hit; trace_closest, trace_any
 
 // Pictures.
-#include "octavo/render/image.h"   // Image; write_png, write_exr
-#include "octavo/render/render.h"  // render: camera, sun, shadow, ambient occlusion
+#include "octavo/render/image.h"       // Image; write_png, write_exr
+#include "octavo/render/render.h"      // render: camera, sun, shadow, ambient occlusion
+#include "octavo/render/visibility.h"  // shadow and ambient occlusion for a rasteriser's G-buffer
