@@ -95,8 +95,8 @@ private:
         constexpr double kLot = (kBlock - kStreet - 6.0) / kLots;
         for (int lot = 0; lot < kLots * kLots; ++lot) {
             if (lot == 4) continue;  // the yard
-            const dvec2 corner(kEdge + 3.0 + kLot * (lot % kLots),
-                               kEdge + 3.0 + kLot * (lot / kLots));
+            const int column = lot % kLots, row = lot / kLots;
+            const dvec2 corner(kEdge + 3.0 + kLot * column, kEdge + 3.0 + kLot * row);
             const dvec2 size(kLot - random.between(0.3, 4.0), kLot - random.between(0.3, 4.0));
             const double rise = (1.0 - far) * (1.0 - far);
             const int floors = 2 + random.below(3) + static_cast<int>(18 * rise * random.real());

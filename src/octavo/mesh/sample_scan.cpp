@@ -51,7 +51,7 @@ Scene scenes::scan(double size) {
             scene.positions[line * row + i] = exact::rounded_to_float(d * (radius_at(d) + error));
         }
         if (j == n) return;
-        uvec3* out = scene.triangles.data() + 2 * n * (line - line / row);
+        uvec3* out = scene.triangles.data() + std::size_t{2} * n * (line - line / row);
         for (std::uint32_t i = 0; i < n; ++i) {
             const auto a = static_cast<std::uint32_t>(line * row + i);
             const auto b = static_cast<std::uint32_t>(a + row);
