@@ -23,8 +23,8 @@ void expect_brute_force_voxels(const Scene& scene, int depth, int tile_depth) {
 }
 
 TEST(ScenesAt256, BuiltInOnesEqualBruteForceVoxelByVoxel) {
-    for (const auto& [name, size] : {std::pair("courtyard", 0.02), std::pair("hairball", 0.0005),
-                                     std::pair("city", 0.005)})
+    for (const auto& [name, size] :
+         {std::pair("courtyard", 0.02), std::pair("hairball", 0.0005), std::pair("city", 0.005)})
         expect_brute_force_voxels(make_sample(name, size), 8, 8);
 }
 

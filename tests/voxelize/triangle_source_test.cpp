@@ -139,7 +139,8 @@ TEST(TriangleSource, ADegenerateTriangleMarksWhatItMeets) {
 }
 
 TEST(TriangleSource, ALongSegmentAlongAnAxisIsOneVoxelThick) {
-    // Its shadow along the axis is a point, which once passed for a shadow that everything is inside.
+    // Its shadow along the axis is a point, which once passed for a shadow that everything is
+    // inside.
     const Grid grid{dvec3(0.0), 1.0, 8};
     for (int axis = 0; axis < 3; ++axis)
         for (const VoxelRule rule : {VoxelRule::conservative, VoxelRule::thin}) {
