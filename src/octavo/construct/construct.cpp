@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/construct/construct.h"
 
-#include <tbb/concurrent_queue.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -80,40 +79,37 @@ public:
     }
 
 private:
-    // Shared pointers, because a pipeline that is cancelled destroys what is in flight.
-    using Part = std::shared_ptr<TilePart>;
-
     void run_pipeline() {
-        const std::size_t tile_count = source_.tiles().size();
-        const auto workers = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-        tbb::concurrent_queue<Part> idle;
+        // More tiles in flight than workers, so that a slow tile does not leave the others waiting
+        // to merge. As they leave in order, a tile's place is free again when the one that many
+        // tiles later comes. The places are owned here, because a pipeline that is stopped forgets
+        // what is in it.
+        const std::size_t in_flight =
+            4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+        std::vector<std::unique_ptr<TilePart>> places;
+        for (std::size_t i = 0; i < in_flight; ++i)
+            places.push_back(std::make_unique<TilePart>(source_.tile_depth() - 2));
         std::size_t next_tile = state_.tiles_done;
 
-        const auto feed = [&](tbb::flow_control& control) -> Part {
-            if (next_tile >= tile_count) {
+        const auto feed = [&](tbb::flow_control& control) -> TilePart* {
+            if (next_tile >= source_.tiles().size()) {
                 control.stop();
                 return nullptr;
             }
-            Part part;
-            if (!idle.try_pop(part)) part = std::make_shared<TilePart>(source_.tile_depth() - 2);
+            TilePart* part = places[next_tile % in_flight].get();
             part->index = next_tile++;
             return part;
         };
-        const auto work = [&](const Part& part) {
+        const auto work = [&](TilePart* part) {
             voxelize_and_reduce(source_, *part);
             return part;
         };
-        const auto merge = [&](const Part& part) {
-            merge_tile(*part);
-            idle.push(part);
-        };
-        // More tiles in flight than workers, so that a slow tile does not leave the others waiting
-        // to merge.
+        const auto merge = [&](TilePart* part) { merge_tile(*part); };
         tbb::parallel_pipeline(
-            4 * workers,
-            tbb::make_filter<void, Part>(tbb::filter_mode::serial_in_order, feed) &
-                tbb::make_filter<Part, Part>(tbb::filter_mode::parallel, work) &
-                tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, merge));
+            in_flight,
+            tbb::make_filter<void, TilePart*>(tbb::filter_mode::serial_in_order, feed) &
+                tbb::make_filter<TilePart*, TilePart*>(tbb::filter_mode::parallel, work) &
+                tbb::make_filter<TilePart*, void>(tbb::filter_mode::serial_in_order, merge));
     }
 
     void merge_tile(const TilePart& part) {
