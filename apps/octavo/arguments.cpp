@@ -53,6 +53,12 @@ int parse_resolution(const std::string& text) {
     return depth_of_resolution(number);
 }
 
+VoxelRule parse_rule(const std::string& text) {
+    const auto rule = voxel_rule_from_name(text);
+    if (!rule) throw Error(Errc::bad_argument, "'" + text + "' is not conservative or thin");
+    return *rule;
+}
+
 std::uint64_t parse_bytes(const std::string& text) {
     const std::string expected = "a size in bytes, like 512M or 8G";
     std::string_view rest = text;

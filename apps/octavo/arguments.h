@@ -9,12 +9,16 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vec.h"
+#include "octavo/voxelize/rule.h"
 
 /// How the command line writes numbers. All throw Error bad_argument, saying what was expected.
 namespace octavo::cli {
 
 /// "4096", "4K" or "4k" -> 12. @return the depth, 2 to 17
 [[nodiscard]] int parse_resolution(const std::string& text);
+
+/// "conservative" or "thin"
+[[nodiscard]] VoxelRule parse_rule(const std::string& text);
 
 /// "1500000", "512M", "8G", "1.5G": suffixes K, M, G, T of 1024, with an optional "B" or "iB".
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);

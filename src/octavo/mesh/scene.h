@@ -95,6 +95,9 @@ struct Scene {
     /// and positions that no triangle uses, do not count. Cost: one pass over the triangles,
     /// parallel.
     [[nodiscard]] Box bounds() const;
+
+    /// A 64-bit number that differs, but for chance, where positions or triangles do.
+    [[nodiscard]] std::uint64_t geometry_hash() const;
 };
 
 }  // namespace octavo

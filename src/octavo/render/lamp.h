@@ -63,6 +63,7 @@ public:
 
 private:
     [[nodiscard]] LampRay triangle_ray(int i, std::uint32_t seed) const;
+    [[nodiscard]] LampRay candidate(std::uint32_t i, std::uint32_t seed) const;
     [[nodiscard]] float area_light(const vec3& direction, const vec3& lamp_normal,
                                    double area) const;
 
