@@ -24,3 +24,14 @@ endif()
 if(OCTAVO_BUILD_TESTS)
     find_package(GTest REQUIRED)
 endif()
+
+# Optional: the Vulkan backend. Only headers (libvulkan-dev), because the library is looked for when
+# the program runs, and glslc, because it follows #include and writes what C++ can embed.
+find_package(Vulkan QUIET)
+find_program(OCTAVO_GLSLC glslc)
+option(OCTAVO_VULKAN "Build the Vulkan backend where its headers and glslc are found" ON)
+set(OCTAVO_HAS_VULKAN OFF)
+if(OCTAVO_VULKAN AND Vulkan_INCLUDE_DIRS AND OCTAVO_GLSLC)
+    set(OCTAVO_HAS_VULKAN ON)
+endif()
+message(STATUS "Vulkan backend: ${OCTAVO_HAS_VULKAN}")

@@ -12,4 +12,5 @@
 #include "octavo/render/shadow.h"
 #include "octavo/render/surface.h"
 
+#include "octavo/render/lamp_light.h"
 #include "octavo/render/smooth_normal.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "octavo/core/grid.h"
@@ -20,68 +21,51 @@ public:
 
     [[nodiscard]] const Light& light() const { return light_; }
 
-private:
-    friend class SeenLamp;
+    /// As the shared text wants it. Its triangles are those of this lamp, which must outlive it.
+    [[nodiscard]] shared::PlacedLamp placed() const {
+        shared::PlacedLamp placed = placed_;
+        placed.triangles.at = const_cast<shared::LampTriangle*>(triangles_.data());
+        return placed;
+    }
+    [[nodiscard]] std::span<const shared::LampTriangle> triangles() const { return triangles_; }
 
-    struct Triangle {
-        dvec3 corner;  // grid space
-        vec3 u, v;     // to the other corners
-        vec3 normal;   // unit length
-    };
+private:
+    void place_triangles(const Grid& grid);
 
     Light light_;
-    Grid grid_;
-    std::vector<Triangle> triangles_;
-    std::vector<double> areas_;  // of triangles 0 to i together, square voxels
-    dvec3 low_{0.0}, high_{0.0};
+    shared::PlacedLamp placed_{};
+    std::vector<shared::LampTriangle> triangles_;
 };
 
-/// A ray towards a lamp, and the light that comes along it where nothing is in the way: a part of
-/// the light's intensity, the cosine at the point included. A ray without light need not be traced.
-struct LampRay {
-    shared::GridRay ray;
-    float light;
-};
-
-/// A lamp as one point of a surface sees it.
+/// A lamp as one point of a surface sees it: see lamp_light.h.
 class SeenLamp {
 public:
     /// @param start   the point; see sky_ray() for it and `face`
     /// @param normal  unit length
     /// @param hard    rays go to the lamp's middle alone; one of triangles has none
     SeenLamp(const Lamp& lamp, const shared::GridRay& start, int face, const vec3& normal,
-             bool hard);
+             bool hard)
+        : lamp_(lamp.placed()), seen_(see_lamp(lamp_, start, face, normal, hard ? 1 : 0)) {}
 
-    /// No light can come from it, whatever is in the way.
-    [[nodiscard]] bool dark() const { return dark_; }
+    [[nodiscard]] bool dark() const { return seen_.dark != 0; }
+    [[nodiscard]] shared::LampSample ray(int i, std::uint32_t seed) const {
+        return lamp_sample(lamp_, seen_, i, seed);
+    }
+    [[nodiscard]] shared::Bundle bundle() const { return seen_lamp_bundle(lamp_, seen_); }
 
-    /// Ray i of the pixel with this seed. The mean over all i is the light that the lamp gives.
-    [[nodiscard]] LampRay ray(int i, std::uint32_t seed) const;
-
-    /// All its rays are in here.
-    [[nodiscard]] shared::Bundle bundle() const;
+    /// The times between which geometry may be on its rays; none where x >= y.
+    [[nodiscard]] vec2 interval(const shared::DagView& dag) const {
+        return lamp_interval(dag, lamp_, seen_);
+    }
 
 private:
-    [[nodiscard]] LampRay triangle_ray(int i, std::uint32_t seed) const;
-    [[nodiscard]] LampRay candidate(std::uint32_t i, std::uint32_t seed) const;
-    [[nodiscard]] float area_light(const vec3& direction, const vec3& lamp_normal,
-                                   double area) const;
-
-    const Lamp& lamp_;
-    shared::GridRay start_;
-    int face_;
-    vec3 normal_;
-    shared::LampPatch patch_{};  // of all but a mesh
-    float light_ = 0.0f;         // of each ray, where they are all alike
-    bool dark_ = false;
+    shared::PlacedLamp lamp_;
+    shared::SeenPlacedLamp seen_;
 };
 
 /// Puts the rays [first, end) of a pixel towards a lamp into the queue's last group, which adds up
-/// the light of those that see it.
-///
-/// With many rays, a bundle of all of them first finds the times between which geometry may be
-/// ([K13] section 4): rays are cut to that interval, and where there is none they are not traced.
-/// What the group sees is the same to the bit.
+/// the light of those that see it. What the group sees is that of shared::lamp_light(), to the bit
+/// but for the order of the sum.
 ///
 /// @return  the light of all rays, seen or not
 float queue_lamp_rays(const shared::DagView& dag, const SeenLamp& lamp, int first, int end,

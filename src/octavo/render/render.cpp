@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "octavo/core/parallel.h"
-#include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
 #include "octavo/render/normal.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/settings.h"
 
 namespace octavo {
 namespace {
@@ -52,22 +52,6 @@ private:
     std::vector<Entry> entries_ = std::vector<Entry>(4096);
 };
 
-void check(const RenderOptions& o) {
-    const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
-    if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
-        refuse("a picture's sides are 1 to 65536 pixels");
-    if (o.samples < 1 || o.samples > 65536) refuse("samples per pixel are 1 to 65536");
-    if (o.ao_samples < 0 || o.ao_samples > 65536) refuse("ambient samples are 0 to 65536");
-    if (o.shadow_samples < 1 || o.shadow_samples > 65536) refuse("shadow samples are 1 to 65536");
-    if (!(o.ao_radius >= 0.0) || !std::isfinite(o.ao_radius))
-        refuse("the ambient radius is negative or not finite");
-    if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
-        refuse("the ambient cone is negative or not finite");
-    for (const Light& light : o.lights.value_or(std::vector<Light>{}))
-        if (!(light.size >= 0.0) || !std::isfinite(light.size))
-            refuse("a light's size is negative or not finite");
-}
-
 /// All that the pixels of one picture have in common.
 class Picture {
 public:
@@ -76,19 +60,8 @@ public:
           dag_(shared::view(dag)),
           grid_(grid),
           options_(options),
-          up_(glm::normalize(options.up)),
-          rays_(checked_camera(dag, grid, options), grid, options.width, options.height) {
-        if (options.lights)
-            for (const Light& light : *options.lights) lamps_.emplace_back(light, grid);
-        else
-            lamps_.emplace_back(default_sun(checked_camera(dag, grid, options), options.up), grid);
-        const Box bounds = content_bounds(dag, grid);
-        const double diagonal = bounds.empty() ? 1.0 : glm::length(bounds.size());
-        const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
-        ao_radius_ = static_cast<float>(radius / grid.voxel_size);
-        ao_stop_.cone = static_cast<float>(options.ao_cone);
-        primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
-        primary_stop_.time_before = rays_.t_before();
+          settings_(settle(dag, grid, options)) {
+        for (const Light& light : settings_.lights) lamps_.emplace_back(light, grid);
     }
 
     void draw_tile(int x0, int y0, NormalCache& normals, Image& image) const {
@@ -96,8 +69,8 @@ public:
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
         if (options_.beam)
-            if (const auto beam = rays_.bundle(x0, y0, x1, y1))
-                start = beam_start(dag_, *beam, primary_stop_);
+            if (const auto beam = settings_.rays.bundle(x0, y0, x1, y1))
+                start = beam_start(dag_, *beam, settings_.primary_stop);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
@@ -110,16 +83,6 @@ public:
     }
 
 private:
-    static Camera checked_camera(const Dag& dag, const Grid& grid, const RenderOptions& options) {
-        if (!options.camera) {
-            const Box content = content_bounds(dag, grid);
-            return default_camera(content.empty() ? grid.bounds() : content, options.up,
-                                  static_cast<double>(options.width) / options.height);
-        }
-        const Camera& c = *options.camera;
-        return look_at(c.eye, c.eye + c.forward, c.up, c.vertical_fov);
-    }
-
     /// A primary hit whose secondary rays are on their way.
     struct Waiting {
         std::size_t pixel;
@@ -134,7 +97,7 @@ private:
     struct Tile {
         Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
             : normals(thread_normals),
-              sky_queue(p.whole_dag_, p.ao_stop_),
+              sky_queue(p.whole_dag_, p.settings_.ao_stop),
               lamp_queue(p.whole_dag_, {0, 0.0f, 0.0f}) {
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
@@ -164,19 +127,19 @@ private:
             vec2 at(0.5f);
             if (options_.samples > 1)
                 at = shared::sample_2d(static_cast<std::uint32_t>(i), tile.seeds[k] ^ 0x2545f491u);
-            tile.rays[k] = camera_ray(rays_.view(), tile.pixels[k], at);
+            tile.rays[k] = camera_ray(settings_.rays.view(), tile.pixels[k], at);
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
-            trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+        if (!settings_.rays.sees_nothing() && start < tile.rays[0].t_max)
+            trace_closest_wide(whole_dag_, tile.rays, settings_.primary_stop, tile.hits);
     }
 
     void write_depths(const Tile& tile, Image& image) const {
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             const bool found = tile.hits[k].face != shared::kFaceNone;
             image.depth[image.index(tile.pixels[k].x, tile.pixels[k].y)] =
-                found ? static_cast<float>((rays_.t_before() + tile.hits[k].t) * grid_.voxel_size)
+                found ? static_cast<float>((settings_.rays.t_before() + tile.hits[k].t) * grid_.voxel_size)
                       : std::numeric_limits<float>::infinity();
         }
     }
@@ -188,19 +151,13 @@ private:
         tile.lamp_queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
-                tile.sums[k] += shared::sky_color(tile.rays[k].dir, vec3(up_));
+                tile.sums[k] += shared::sky_color(tile.rays[k].dir, settings_.up);
             else
                 send_rays(tile, k, i);
         }
         tile.sky_queue.trace();
         tile.lamp_queue.trace();
         for (const Waiting& w : tile.waiting) tile.sums[w.pixel] += shade(w, tile);
-    }
-
-    /// The part of `count` rays for the pixel that sample i shoots: [first, end).
-    [[nodiscard]] ivec2 share(int count, int i) const {
-        const int each = (count + options_.samples - 1) / options_.samples;
-        return {i * each, (i + 1) * each};
     }
 
     /// Queues the rays that say how much light sample i of pixel k gets.
@@ -218,24 +175,23 @@ private:
 
         Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
         if (options_.ao_samples > 0) {
-            const ivec2 some = share(options_.ao_samples, i);
+            const ivec2 some = share(options_.ao_samples, options_.samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
-                tile.sky_queue.add(sky_ray(start, face, normal, ao_radius_, n, seed ^ 0x68bc21ebu));
+                tile.sky_queue.add(sky_ray(start, face, normal, settings_.ao_radius, n, seed ^ 0x68bc21ebu));
         }
         const bool soft = options_.shadows == Shadows::soft;
-        const ivec2 some = soft ? share(options_.shadow_samples, i) : ivec2(i, i + 1);
+        const ivec2 some = soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
         w.lamp_rays = some.y - some.x;
         for (std::size_t n = 0; n < lamps_.size(); ++n) {
             const std::size_t group = tile.lamp_queue.begin_group();
             if (n == 0) w.lamp_group = group;
             const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
-            const std::uint32_t lamp_seed =
-                seed ^ (0x02e5be93u + 0x9e3779b9u * static_cast<std::uint32_t>(n));
+            const std::uint32_t rays_seed = shared::lamp_seed(seed, static_cast<int>(n));
             if (options_.shadows == Shadows::none)
-                add_unshadowed(lamp, some, lamp_seed, tile.lamp_queue);
+                add_unshadowed(lamp, some, rays_seed, tile.lamp_queue);
             else
-                queue_lamp_rays(dag_, lamp, some.x, some.y, lamp_seed, options_.beam,
+                queue_lamp_rays(dag_, lamp, some.x, some.y, rays_seed, options_.beam,
                                 tile.lamp_queue);
         }
         tile.waiting.push_back(w);
@@ -252,7 +208,7 @@ private:
         const float sky = w.sky_rays == 0
                               ? 1.0f
                               : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
-        vec3 light = sky * shared::sky_light(w.normal, vec3(up_));
+        vec3 light = sky * shared::sky_light(w.normal, settings_.up);
         for (std::size_t n = 0; n < lamps_.size(); ++n)
             light +=
                 lamps_[n].light().intensity *
@@ -264,12 +220,8 @@ private:
     shared::DagView dag_;
     const Grid& grid_;
     const RenderOptions& options_;
-    dvec3 up_;
-    PixelRays rays_;
+    RenderSettings settings_;
     std::vector<Lamp> lamps_;
-    float ao_radius_ = 0.0f;
-    shared::Stop ao_stop_{0, 0.0f, 0.0f};
-    shared::Stop primary_stop_{0, 0.0f, 0.0f};
 };
 
 /// Counts finished pixels and tells about them, one thread at a time.
@@ -298,7 +250,6 @@ private:
 }  // namespace
 
 Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
-    check(options);
     const Picture picture(dag, grid, options);
     Image image(options.width, options.height);
     tbb::enumerable_thread_specific<NormalCache> normals;

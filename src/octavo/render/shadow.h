@@ -40,7 +40,7 @@ OCTAVO_FN vec3 patch_direction(LampPatch lamp, vec2 square) {
         float root = sqrt(square.x);
         at = vec2(1.0f - root, root * square.y);
     }
-    return lamp.centre + at.x * lamp.u + at.y * lamp.v;
+    return exact_madd(at.y, lamp.v, exact_madd(at.x, lamp.u, lamp.centre));
 }
 
 // A ray of the point towards the lamp. start, face: see sky_ray().

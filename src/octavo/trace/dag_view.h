@@ -12,7 +12,7 @@ struct DagView {
     int depth = 0;
 };
 
-inline uint dag_load(DagView dag, uint word) {
+OCTAVO_FN uint dag_load(DagView dag, uint word) {
     return dag.words[word];
 }
 

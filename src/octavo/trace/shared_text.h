@@ -9,6 +9,9 @@
 //     and      uint dag_load(DagView dag, uint word);        the DAG's words, see dag/node.h
 //     traverse.h, then beam.h where it wants beams
 //
+// OCTAVO_ARRAY(name, type) is an array in the memory of the one who runs the text, where it has one
+// (not in GLSL ES): a struct of one address, whose elements are array.at[i].
+//
 // Rules for shared text: 32-bit types; free functions and plain structs; results by value; no
 // recursion, pointers or references; explicit conversions; literals with f or u; vectors and vector
 // functions by GLSL's names. A sum with a product in it goes through exact_madd().
@@ -29,6 +32,10 @@ using namespace glm;
 #define OCTAVO_SHARED_BEGIN namespace octavo::shared {
 #define OCTAVO_SHARED_END }
 #define OCTAVO_PRECISE
+#define OCTAVO_ARRAY(name, type) \
+    struct name {                \
+        type* at;                \
+    };
 
 #else
 
@@ -39,6 +46,8 @@ using namespace glm;
 #define OCTAVO_PRECISE
 #else
 #define OCTAVO_PRECISE precise
+#define OCTAVO_ARRAY(name, type) \
+    layout(buffer_reference, scalar, buffer_reference_align = 4) buffer name { type at[]; };
 #endif
 
 #endif

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/backend/device.h"
+
+#include <charconv>
+#include <functional>
+#include <string_view>
+
+#include "octavo/backend/cpu/cpu_device.h"
+#include "octavo/backend/gpu_device.h"
+#include "octavo/core/error.h"
+#if OCTAVO_HAS_CUDA
+#include "octavo/backend/cuda/cuda_queue.h"
+#endif
+#if OCTAVO_HAS_VULKAN
+#include "octavo/backend/vulkan/vulkan_queue.h"
+#endif
+
+namespace octavo {
+namespace {
+
+[[maybe_unused]] Error not_built(const char* kind) {
+    return Error(Errc::unsupported, std::string("this build of Octavo has no ") + kind);
+}
+
+std::vector<DeviceInfo> list_cuda() {
+#if OCTAVO_HAS_CUDA
+    return cuda::list();
+#else
+    throw not_built("CUDA");
+#endif
+}
+
+std::vector<DeviceInfo> list_vulkan() {
+#if OCTAVO_HAS_VULKAN
+    return vulkan::list();
+#else
+    throw not_built("Vulkan");
+#endif
+}
+
+std::unique_ptr<Device> open_cuda([[maybe_unused]] int index) {
+#if OCTAVO_HAS_CUDA
+    return make_gpu_device(cuda::open_queue(index));
+#else
+    throw not_built("CUDA");
+#endif
+}
+
+std::unique_ptr<Device> open_vulkan([[maybe_unused]] int index) {
+#if OCTAVO_HAS_VULKAN
+    return make_gpu_device(vulkan::open_queue({.device = index}));
+#else
+    throw not_built("Vulkan");
+#endif
+}
+
+/// A driver that merely emulates a GPU is slower than what the CPU does by itself.
+bool is_gpu(const DeviceInfo& device) {
+    return device.kind != DeviceKind::cpu && device.type != "CPU" && device.unusable.empty();
+}
+
+std::unique_ptr<Device> open_best() {
+    const std::pair<std::vector<DeviceInfo> (*)(), std::unique_ptr<Device> (*)(int)> kinds[] = {
+        {list_cuda, open_cuda}, {list_vulkan, open_vulkan}};
+    for (const auto& [list, open] : kinds) {
+        try {
+            for (const DeviceInfo& device : list())
+                if (is_gpu(device)) return open(-1);
+        } catch (const Error& error) {
+            if (error.code() != Errc::unsupported) throw;
+        }
+    }
+    return make_cpu_device();
+}
+
+}  // namespace
+
+const char* device_kind_name(DeviceKind kind) {
+    switch (kind) {
+        case DeviceKind::cuda:
+            return "cuda";
+        case DeviceKind::vulkan:
+            return "vulkan";
+        case DeviceKind::cpu:
+            break;
+    }
+    return "cpu";
+}
+
+std::string DeviceInfo::id() const {
+    const std::string kind_name = device_kind_name(kind);
+    return kind == DeviceKind::cpu ? kind_name : kind_name + ":" + std::to_string(index);
+}
+
+DeviceList list_devices() {
+    DeviceList all;
+    all.devices.push_back(cpu_info());
+    const auto add = [&](DeviceKind kind, const auto& list) {
+        try {
+            const std::vector<DeviceInfo> some = list();
+            all.devices.insert(all.devices.end(), some.begin(), some.end());
+            if (some.empty()) all.missing.emplace_back(device_kind_name(kind), "no device");
+        } catch (const Error& error) {
+            all.missing.emplace_back(device_kind_name(kind), error.what());
+        }
+    };
+    add(DeviceKind::cuda, list_cuda);
+    add(DeviceKind::vulkan, list_vulkan);
+    return all;
+}
+
+std::unique_ptr<Device> open_device(const std::string& name) {
+    if (name == "auto") return open_best();
+    if (name == "cpu") return make_cpu_device();
+    const std::string_view text = name;
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    int index = -1;
+    if (colon < text.size()) {
+        const char* end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, index);
+        if (error != std::errc() || rest != end || index < 0) index = -2;
+    }
+    const std::string_view kind = text.substr(0, colon);
+    if (index >= -1 && kind == "cuda") return open_cuda(index);
+    if (index >= -1 && kind == "vulkan") return open_vulkan(index);
+    throw Error(Errc::bad_argument, "'" + name + "' is no device: say auto, cpu, cuda, vulkan, "
+                                                 "cuda:N or vulkan:N; see `octavo devices`");
+}
+
+}  // namespace octavo

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/grid.h"
+#include "octavo/dag/dag.h"
+#include "octavo/render/image.h"
+#include "octavo/render/render.h"
+#include "octavo/render/visibility.h"
+#include "octavo/trace/dag_view.h"
+
+/// Who runs the rays: this machine's processor, or a GPU through CUDA or Vulkan. All give the same
+/// voxels, because all compile the one text of trace/ and render/.
+namespace octavo {
+
+enum class DeviceKind { cpu, cuda, vulkan };
+
+/// "cpu", "cuda", "vulkan"
+[[nodiscard]] const char* device_kind_name(DeviceKind kind);
+
+struct DeviceInfo {
+    DeviceKind kind = DeviceKind::cpu;
+    int index = 0;           // among the devices of its kind
+    std::string name;        // as its driver tells it
+    std::string type;        // "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
+    std::string driver;      // its name and version
+    std::uint64_t memory_bytes = 0;
+    std::vector<std::pair<std::string, std::uint64_t>> limits;
+    std::string unusable;    // why it cannot be opened; empty where it can
+
+    /// "vulkan:0"
+    [[nodiscard]] std::string id() const;
+};
+
+struct DeviceList {
+    std::vector<DeviceInfo> devices;  // the CPU, then CUDA's, then Vulkan's
+    /// Why a kind has none: {"cuda", "no CUDA driver is installed"}.
+    std::vector<std::pair<std::string, std::string>> missing;
+};
+
+/// Everything that rays can run on here. Never throws for a driver that is missing or broken.
+[[nodiscard]] DeviceList list_devices();
+
+/// A DAG in the memory of one device, which must outlive it.
+class DeviceDag {
+public:
+    virtual ~DeviceDag() = default;
+};
+
+/// One device. Calls wait for their result; one thread at a time.
+///
+/// All functions throw Error: limit where the device's memory does not hold what was asked for,
+/// io where the device fails or is lost, bad_argument as the functions of render/ do.
+class Device {
+public:
+    virtual ~Device() = default;
+
+    [[nodiscard]] virtual const DeviceInfo& info() const = 0;
+
+    /// Copies a DAG to the device; on the CPU the words are shared.
+    [[nodiscard]] virtual std::unique_ptr<DeviceDag> upload(const Dag& dag) = 0;
+
+    /// Traces rays in grid space, see trace/traverse.h. `hits` and `occluded` are as long as `rays`;
+    /// occluded is 1 where the ray hits something, else 0.
+    virtual void trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+                               const shared::Stop& stop, std::span<shared::GridHit> hits) = 0;
+    virtual void trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+                           const shared::Stop& stop, std::span<std::uint32_t> occluded) = 0;
+
+    /// The picture of octavo::render(): the same voxels in every pixel, but for rays that graze one
+    /// within rounding; colours within rounding.
+    [[nodiscard]] virtual Image render(const DeviceDag& dag, const Grid& grid,
+                                       const RenderOptions& options) = 0;
+
+    /// octavo::visibility() for a G-buffer in host memory, positions in float. For one that is on
+    /// the device already, see backend/cuda/effects.h and docs/embedding.md.
+    virtual void visibility(const DeviceDag& dag, const Grid& grid,
+                            std::span<const vec3> positions, std::span<const vec3> normals,
+                            const VisibilityOptions& options, std::span<float> shadow,
+                            std::span<float> ambient) = 0;
+};
+
+/// Opens a device by name: "cpu"; "cuda" or "vulkan", the best of its kind; "vulkan:1", one by its
+/// number; or "auto", the best GPU, or the CPU where there is none.
+///
+/// @throws Error  bad_argument where the name is none of these; unsupported, saying why, where
+/// there is no such device
+[[nodiscard]] std::unique_ptr<Device> open_device(const std::string& name);
+
+}  // namespace octavo

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/render/settings.h"
+
+#include <cmath>
+#include <string>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+void check(const RenderOptions& o) {
+    const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
+    if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
+        refuse("a picture's sides are 1 to 65536 pixels");
+    if (o.samples < 1 || o.samples > 65536) refuse("samples per pixel are 1 to 65536");
+    if (o.ao_samples < 0 || o.ao_samples > 65536) refuse("ambient samples are 0 to 65536");
+    if (o.shadow_samples < 1 || o.shadow_samples > 65536) refuse("shadow samples are 1 to 65536");
+    if (!(o.ao_radius >= 0.0) || !std::isfinite(o.ao_radius))
+        refuse("the ambient radius is negative or not finite");
+    if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
+        refuse("the ambient cone is negative or not finite");
+    for (const Light& light : o.lights.value_or(std::vector<Light>{}))
+        if (!(light.size >= 0.0) || !std::isfinite(light.size))
+            refuse("a light's size is negative or not finite");
+}
+
+Camera checked_camera(const Box& content, const Grid& grid, const RenderOptions& options) {
+    if (!options.camera)
+        return default_camera(content.empty() ? grid.bounds() : content, options.up,
+                              static_cast<double>(options.width) / options.height);
+    const Camera& c = *options.camera;
+    return look_at(c.eye, c.eye + c.forward, c.up, c.vertical_fov);
+}
+
+}  // namespace
+
+RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options) {
+    check(options);
+    const Box content = content_bounds(dag, grid);
+    const Camera camera = checked_camera(content, grid, options);
+    RenderSettings settings{PixelRays(camera, grid, options.width, options.height),
+                            options.lights.value_or(std::vector{default_sun(camera, options.up)}),
+                            vec3(glm::normalize(options.up)),
+                            0.0f,
+                            {0, 0.0f, 0.0f},
+                            {0, 0.0f, 0.0f}};
+    const double diagonal = content.empty() ? 1.0 : glm::length(content.size());
+    const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
+    settings.ao_radius = static_cast<float>(radius / grid.voxel_size);
+    settings.ao_stop.cone = static_cast<float>(options.ao_cone);
+    settings.primary_stop.cone = options.level_of_detail ? settings.rays.pixel_pitch() : 0.0f;
+    settings.primary_stop.time_before = settings.rays.t_before();
+    return settings;
+}
+
+}  // namespace octavo

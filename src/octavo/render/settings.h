@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "octavo/render/camera.h"
+#include "octavo/render/render.h"
+
+namespace octavo {
+
+/// RenderOptions as every backend takes them: checked, with all that was left open decided, in grid
+/// space.
+struct RenderSettings {
+    PixelRays rays;
+    std::vector<Light> lights;
+    vec3 up;                    // unit length
+    float ao_radius;            // voxels
+    shared::Stop primary_stop;
+    shared::Stop ao_stop;
+};
+
+/// @throws Error  bad_argument where an option is out of range or not finite
+[[nodiscard]] RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options);
+
+/// The part of a pixel's `count` rays that sample i of `samples` shoots: [first, end).
+[[nodiscard]] inline ivec2 share(int count, int samples, int i) {
+    const int each = (count + samples - 1) / samples;
+    return {i * each, (i + 1) * each};
+}
+
+}  // namespace octavo
