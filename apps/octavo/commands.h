@@ -9,6 +9,7 @@ namespace octavo::cli {
 
 void add_bench_command(CLI::App& program);
 void add_build_command(CLI::App& program);
+void add_devices_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_render_command(CLI::App& program);
 void add_query_command(CLI::App& program);

@@ -69,6 +69,7 @@ int run(int argc, char** argv) {
     add_query_command(program);
     add_sample_command(program);
     add_bench_command(program);
+    add_devices_command(program);
 
     try {
         program.parse(argc, argv);

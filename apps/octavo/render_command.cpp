@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "help.h"
 #include "light_arguments.h"
+#include "octavo/backend/device.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "octavo/render/render.h"
@@ -26,6 +27,7 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
     "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
+    "  octavo render scene.octv -o scene.png --device vulkan\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
@@ -45,6 +47,7 @@ struct RenderArguments {
     std::vector<std::string> lights;
     double exposure = 0.0;
     bool flat_normals = false;
+    std::string device = "cpu";
     bool force = false;
     bool quiet = false;
 };
@@ -126,7 +129,9 @@ void run_render(RenderArguments& arguments) {
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
-    write_image(arguments.output, render(model.dag, model.grid(), options), arguments.exposure);
+    const auto device = open_device(arguments.device);
+    const auto dag = device->upload(model.dag);
+    write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
 }
 
 void add_view_options(CLI::App& command, RenderArguments& arguments) {
@@ -202,6 +207,11 @@ void add_render_command(CLI::App& program) {
         ->type_name("N")
         ->check(within(1, 65536));
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
+    command
+        .add_option("--device", arguments->device,
+                    "What to render on: cpu (the default), cuda, vulkan, one of `octavo devices`, or "
+                    "auto: a GPU where there is one")
+        ->type_name("DEVICE");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));

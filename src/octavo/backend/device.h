@@ -68,10 +68,12 @@ public:
 
     /// Traces rays in grid space, see trace/traverse.h. `hits` and `occluded` are as long as `rays`;
     /// occluded is 1 where the ray hits something, else 0.
-    virtual void trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    ///
+    /// @return  seconds that the tracing took, without copies to and from the device
+    virtual double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
                                const shared::Stop& stop, std::span<shared::GridHit> hits) = 0;
-    virtual void trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                           const shared::Stop& stop, std::span<std::uint32_t> occluded) = 0;
+    virtual double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+                               const shared::Stop& stop, std::span<std::uint32_t> occluded) = 0;
 
     /// The picture of octavo::render(): the same voxels in every pixel, but for rays that graze one
     /// within rounding; colours within rounding.

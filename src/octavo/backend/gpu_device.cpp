@@ -2,12 +2,13 @@
 #include "octavo/backend/gpu_device.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "octavo/backend/gpu_visibility.h"
 #include "octavo/core/error.h"
-#include "octavo/render/lamp.h"
 #include "octavo/render/settings.h"
 
 namespace octavo {
@@ -23,13 +24,6 @@ constexpr std::uint64_t kRaysAtOnce = 1 << 20;
 /// take some 70 MB.
 constexpr int kTilesAtOnce = 8192;
 
-/// Points of a G-buffer at once.
-constexpr std::uint64_t kPointsAtOnce = 1 << 19;
-
-/// Secondary rays of a pixel in one pass, which a slow device must finish before its system's
-/// watchdog wakes.
-constexpr int kRaysOfAPass = 64;
-
 class GpuDag final : public DeviceDag {
 public:
     GpuDag(PassQueue& queue, const Dag& dag)
@@ -41,18 +35,6 @@ public:
 
 private:
     PassQueue& queue_;
-};
-
-/// A light whose triangles, if it has any, are on the device.
-struct GpuLamp {
-    GpuLamp(PassQueue& queue, const Light& light, const Grid& grid)
-        : lamp(light, grid), triangles(queue, lamp.triangles()), placed(lamp.placed()) {
-        placed.triangles = triangles.get();
-    }
-
-    Lamp lamp;
-    DeviceArray<shared::LampTriangles> triangles;
-    shared::PlacedLamp placed;
 };
 
 /// The arrays of a band of pixels, and the job that knows them.
@@ -97,16 +79,16 @@ public:
         return std::make_unique<GpuDag>(*queue_, dag);
     }
 
-    void trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
                        const shared::Stop& stop, std::span<shared::GridHit> hits) override {
-        trace(Pass::closest, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
+        return trace(Pass::closest, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
             const std::size_t some = std::min<std::size_t>(kRaysAtOnce, rays.size() - first);
             read(job.hits.at, hits.subspan(first, some));
         });
     }
-    void trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
                    const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
-        trace(Pass::any, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
+        return trace(Pass::any, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
             const std::size_t some = std::min<std::size_t>(kRaysAtOnce, rays.size() - first);
             read(job.occluded.at, occluded.subspan(first, some));
         });
@@ -152,8 +134,23 @@ public:
     void visibility(const DeviceDag& dag, const Grid& grid, std::span<const vec3> positions,
                     std::span<const vec3> normals, const VisibilityOptions& options,
                     std::span<float> shadow, std::span<float> ambient) override {
-        (void)dag, (void)grid, (void)positions, (void)normals, (void)options, (void)shadow,
-            (void)ambient;
+        check(options, positions.size(), normals.size(), shadow.size(), ambient.size());
+        const bool sky = options.ao_samples > 0 && !ambient.empty();
+        const bool lit = options.light && !shadow.empty();
+        const auto flat = [](std::span<const vec3> v) {
+            return std::span(reinterpret_cast<const float*>(v.data()), 3 * v.size());
+        };
+        const DeviceArray<shared::FloatArray> p(*queue_, flat(positions));
+        const DeviceArray<shared::FloatArray> n(*queue_, flat(normals));
+        const DeviceArray<shared::FloatArray> shadow_out(*queue_, lit ? shadow.size() : 0);
+        const DeviceArray<shared::FloatArray> sky_out(*queue_, sky ? ambient.size() : 0);
+        const GpuLamp lamp(*queue_, options.light.value_or(Light{}), grid);
+        queue_visibility(*queue_, static_cast<const GpuDag&>(dag).view, grid,
+                         {p.get().at, n.get().at, 3, 3, positions.size()}, lit ? &lamp : nullptr,
+                         options, lit ? shadow_out.get().at : nullptr,
+                         sky ? sky_out.get().at : nullptr);
+        if (lit) shadow_out.read(shadow);
+        if (sky) sky_out.read(ambient);
     }
 
 private:
@@ -163,7 +160,7 @@ private:
     }
 
     template <typename Take>
-    void trace(Pass pass, const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    double trace(Pass pass, const DeviceDag& dag, std::span<const shared::GridRay> rays,
                const shared::Stop& stop, const Take& take) {
         const std::uint64_t most = std::min<std::uint64_t>(kRaysAtOnce, rays.size());
         const DeviceArray<shared::RayArray> on_device(*queue_, most);
@@ -171,22 +168,19 @@ private:
         const DeviceArray<shared::UintArray> occluded(*queue_, pass == Pass::any ? most : 0);
         const shared::RayJob job{static_cast<const GpuDag&>(dag).view, on_device.get(), hits.get(),
                                  occluded.get(), stop};
+        double seconds = 0.0;
         for (std::size_t first = 0; first < rays.size(); first += kRaysAtOnce) {
             const auto some = rays.subspan(first, std::min<std::size_t>(most, rays.size() - first));
             queue_->write(reinterpret_cast<std::uint64_t>(job.rays.at), std::as_bytes(some));
+            queue_->finish();
+            const auto start = std::chrono::steady_clock::now();
             queue_->run(pass, job, some.size());
+            queue_->finish();
+            seconds +=
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             take(first, job);
         }
-    }
-
-    /// Calls pass() with the job's [first, end) set to parts of a pixel's rays.
-    template <typename Run>
-    static void in_parts(shared::PixelJob& job, const ivec2& rays, const Run& pass) {
-        for (int first = rays.x; first < rays.y; first += kRaysOfAPass) {
-            job.first = first;
-            job.end = std::min(rays.y, first + kRaysOfAPass);
-            pass();
-        }
+        return seconds;
     }
 
     static void set_lamp(shared::PixelJob& job, const GpuLamp& lamp, int number, Shadows shadows) {
@@ -210,7 +204,7 @@ private:
             job.sky_rays = sky.y - sky.x;
             in_parts(job, sky, [&] {
                 queue_->run(Pass::sky, job, pixels);
-                queue_->finish();
+                queue_->cut();
             });
             for (std::size_t n = 0; n < lamps.size(); ++n) {
                 set_lamp(job, lamps[n], static_cast<int>(n), options.shadows);
@@ -221,12 +215,12 @@ private:
                 job.lamp_rays = rays.y - rays.x;
                 in_parts(job, rays, [&] {
                     queue_->run(Pass::lamp, job, pixels);
-                    queue_->finish();
+                    queue_->cut();
                 });
                 queue_->run(Pass::light, job, pixels);
             }
             queue_->run(Pass::shade, job, pixels);
-            queue_->finish();
+            queue_->cut();
         }
     }
 

@@ -66,6 +66,10 @@ public:
     virtual void run(Pass pass, const shared::RayJob& job, std::uint64_t threads) = 0;
     virtual void run(Pass pass, const shared::PixelJob& job, std::uint64_t threads) = 0;
 
+    /// A place where the work may be cut, so that no piece of it runs longer than a system's
+    /// watchdog allows.
+    virtual void cut() = 0;
+
     /// Waits until all that was asked for is done.
     virtual void finish() = 0;
 };

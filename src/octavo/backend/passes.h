@@ -75,6 +75,7 @@ struct PixelJob {
     float bias;  // see visibility_bias()
     int position_stride;
     int normal_stride;
+    uint first_point;
 
     // secondary rays: samples [first, end) of each pixel
     int first;
@@ -173,7 +174,7 @@ OCTAVO_FN void gbuffer_pass(PixelJob job, uint i) {
         point.frac = origin - floor(origin);
         point.normal = normal;
         point.face = kFaceNone;
-        point.seed = pixel_seed(i, 0u, job.frame);
+        point.seed = pixel_seed(job.first_point + i, 0u, job.frame);
     }
     job.points.at[i] = point;
     job.sky_seen.at[i] = 0u;

@@ -5,6 +5,7 @@
 
 #include "octavo/render/camera.h"
 #include "octavo/render/render.h"
+#include "octavo/render/visibility.h"
 
 namespace octavo {
 
@@ -21,6 +22,11 @@ struct RenderSettings {
 
 /// @throws Error  bad_argument where an option is out of range or not finite
 [[nodiscard]] RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options);
+
+/// The lengths of the arrays of visibility(), and its options.
+/// @throws Error  bad_argument where visibility() does
+void check(const VisibilityOptions& options, std::size_t points, std::size_t normals,
+           std::size_t shadow, std::size_t ambient);
 
 /// The part of a pixel's `count` rays that sample i of `samples` shoots: [first, end).
 [[nodiscard]] inline ivec2 share(int count, int samples, int i) {

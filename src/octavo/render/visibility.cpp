@@ -11,6 +11,7 @@
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/settings.h"
 
 namespace octavo {
 namespace {
@@ -23,6 +24,21 @@ constexpr double kSlack = 1e-3;
 
 /// Farther than this from the grid a cell's number might leave 32 bits.
 constexpr double kFarthest = 1 << 29;
+
+/// The lifted point as the start of rays, grid space; none where it cannot be one.
+std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position,
+                                         const vec3& normal, double bias) {
+    const double length = glm::length(dvec3(normal));
+    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
+    const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
+    const dvec3 origin = grid.to_grid(position) + lift * dvec3(normal) / length;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
+    const dvec3 cell = glm::floor(origin);
+    return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
+}
+
+}  // namespace
 
 void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, std::size_t shadow,
            std::size_t ambient) {
@@ -42,21 +58,6 @@ void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, 
     if (ambient != 0 && o.ao_samples > 0 && !(o.ao_radius > 0.0 && std::isfinite(o.ao_radius)))
         refuse("visibility: the ambient radius is not a number above 0");
 }
-
-/// The lifted point as the start of rays, grid space; none where it cannot be one.
-std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position,
-                                         const vec3& normal, double bias) {
-    const double length = glm::length(dvec3(normal));
-    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
-    const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
-    const dvec3 origin = grid.to_grid(position) + lift * dvec3(normal) / length;
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
-    const dvec3 cell = glm::floor(origin);
-    return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
-}
-
-}  // namespace
 
 double visibility_bias(const dvec3& normal) {
     return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -31,15 +32,17 @@ const Dag& words(const DeviceDag& dag) {
     return static_cast<const CpuDag&>(dag).words;
 }
 
-/// Calls trace(first, count) for parts of an array, on all threads.
+/// Calls trace(first, count) for parts of an array, on all threads. @return the seconds it took
 template <typename Trace>
-void for_each_task(std::size_t count, const Trace& trace) {
+double for_each_task(std::size_t count, const Trace& trace) {
+    const auto start = std::chrono::steady_clock::now();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, (count + kRaysPerTask - 1) / kRaysPerTask),
                       [&](const tbb::blocked_range<std::size_t>& tasks) {
                           for (std::size_t i = tasks.begin(); i != tasks.end(); ++i)
                               trace(i * kRaysPerTask,
                                     std::min(kRaysPerTask, count - i * kRaysPerTask));
                       });
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 class CpuDevice final : public Device {
@@ -50,17 +53,17 @@ public:
         return std::make_unique<CpuDag>(dag);
     }
 
-    void trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
                        const shared::Stop& stop, std::span<shared::GridHit> hits) override {
-        for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
+        return for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
             trace_closest_wide(words(dag), rays.subspan(first, count), stop,
                                hits.subspan(first, count));
         });
     }
 
-    void trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
+    double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
                    const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
-        for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
+        return for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
             std::vector<std::uint8_t> found(count);
             trace_any_wide(words(dag), rays.subspan(first, count), stop, found);
             std::ranges::copy(found, occluded.subspan(first, count).begin());

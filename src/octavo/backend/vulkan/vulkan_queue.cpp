@@ -236,6 +236,8 @@ public:
         record(pass, job, threads);
     }
 
+    void cut() override { finish(); }
+
     void finish() override {
         if (!recording_) return;
         recording_ = false;
