@@ -87,7 +87,7 @@ public:
           address_(queue.allocate(std::max<std::uint64_t>(size, 1) * sizeof(Value))) {}
     DeviceArray(PassQueue& queue, std::span<const Value> values)
         : DeviceArray(queue, values.size()) {
-        queue.write(address_, std::as_bytes(values));
+        if (!values.empty()) queue.write(address_, std::as_bytes(values));
     }
     DeviceArray(DeviceArray&& other) noexcept { *this = std::move(other); }
     DeviceArray& operator=(DeviceArray&& other) noexcept {
