@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "bench_build.h"
 #include "bench_rays.h"
 #include "bench_triangles.h"
 #include "commands.h"
@@ -20,23 +21,21 @@
 #include "octavo/core/parallel.h"
 #include "octavo/core/version.h"
 #include "octavo/io/octv.h"
-#include "octavo/mesh/load.h"
-#include "octavo/mesh/samples.h"
 #include "octavo/render/camera.h"
 #include "octavo/render/render.h"
 #include "octavo/trace/wide.h"
 #include "octavo/voxelize/tile_rasterizer.h"
 #include "output.h"
+#include "scene_input.h"
 #include "summary.h"
 
 namespace octavo::cli {
 namespace {
 
 constexpr const char* kExamples =
+    "  octavo bench build sample:courtyard --resolutions 1K,2K,4K\n"
     "  octavo bench trace scene.octv\n"
     "  octavo bench trace scene.octv --mesh scene.glb --frames 32 --json\n";
-
-constexpr std::string_view kSamplePrefix = "sample:";
 
 /// Rays that a task traces: with them Embree and the voxels are both far above a task's cost.
 constexpr std::size_t kRaysPerTask = 4096;
@@ -353,10 +352,7 @@ void run_trace(const BenchArguments& arguments) {
     const Model model = read_octv(arguments.file);
     std::unique_ptr<TriangleTracer> triangles;
     if (!arguments.mesh.empty())
-        triangles = std::make_unique<TriangleTracer>(
-            arguments.mesh.starts_with(kSamplePrefix)
-                ? make_sample(arguments.mesh.substr(kSamplePrefix.size()))
-                : load_scene(arguments.mesh));
+        triangles = std::make_unique<TriangleTracer>(read_scene(arguments.mesh));
     const int threads = arguments.threads > 0 ? arguments.threads : available_threads();
     Figures figures;
     with_threads(threads,
@@ -377,6 +373,7 @@ void add_bench_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("bench", "Measure how fast this machine is");
     set_help(command, kExamples);
     command.require_subcommand(1);
+    add_bench_build(command);
     CLI::App& trace = *command.add_subcommand(
         "trace", "Rays a second on a flight through an .octv file, by kind of ray");
     const auto arguments = std::make_shared<BenchArguments>();

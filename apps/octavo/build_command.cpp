@@ -17,10 +17,9 @@
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
-#include "octavo/mesh/load.h"
-#include "octavo/mesh/samples.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "scene_input.h"
 #include "summary.h"
 
 namespace octavo::cli {
@@ -30,8 +29,6 @@ constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
     "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
-
-constexpr std::string_view kSamplePrefix = "sample:";
 
 struct BuildArguments {
     std::string input;
@@ -70,23 +67,6 @@ struct BuildTimes {
         return import_seconds + construct_seconds + write_seconds;
     }
 };
-
-VoxelRule parse_rule(const std::string& text) {
-    const auto rule = voxel_rule_from_name(text);
-    if (!rule) throw Error(Errc::bad_argument, "'" + text + "' is not conservative or thin");
-    return *rule;
-}
-
-Scene read_input(const std::string& input) {
-    if (input.starts_with(kSamplePrefix)) return make_sample(input.substr(kSamplePrefix.size()));
-    return load_scene(input);
-}
-
-/// What the file remembers of its source: no folder, as that would differ between machines.
-std::string source_name(const std::string& input) {
-    if (input.starts_with(kSamplePrefix)) return input;
-    return std::filesystem::path(input).filename().string();
-}
 
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
                         const BuildTimes& times) {
@@ -146,7 +126,7 @@ void run_build(BuildArguments& arguments) {
     meter.begin_phase("import");
     Model model;
     {
-        const Scene scene = read_input(arguments.input);
+        const Scene scene = read_scene(arguments.input);
         times.import_seconds = watch.lap();
         throw_if_interrupted();
         meter.finish();

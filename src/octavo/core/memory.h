@@ -11,4 +11,7 @@ namespace octavo {
 /// The most that it has held so far.
 [[nodiscard]] std::uint64_t peak_resident_bytes();
 
+/// Lets peak_resident_bytes() count anew from what is held now. False where the system cannot.
+bool restart_peak_resident();
+
 }  // namespace octavo
