@@ -44,27 +44,22 @@ SurfacePoint surface_point(DagView dag, GridRay ray, GridHit hit, uint seed) {
 }
 
 struct SeenLamp {
-    LampDisc disc;
+    LampPatch patch_of_it;
     float strength;
 };
 
 SeenLamp see_lamp(SurfacePoint point) {
     SeenLamp lamp;
-    lamp.disc.radius = lamp_radius;
     lamp.strength = 1.0;
     if (lamp_is_sun) {
-        lamp.disc.to_centre = lamp_direction;
-        lamp.disc.t_end = 1e30;
+        lamp.patch_of_it = facing_disc(lamp_direction, lamp_radius, 1e30);
         return lamp;
     }
     vec3 way = vec3(lamp_cell - point.cell) + (lamp_frac - point.frac);
-    float distance_squared = max(dot(way, way), 1e-30);
-    lamp.disc.to_centre = way;
-    lamp.disc.t_end = 1.0;
-    lamp.strength = 1.0 / distance_squared;
-    if (spot_cosines.x > -1.5) {
+    lamp.patch_of_it = facing_disc(way, lamp_radius, 1.0);
+    lamp.strength = 1.0 / max(dot(way, way), 1e-30);
+    if (spot_cosines.x > -1.5)
         lamp.strength *= smoothstep(spot_cosines.x, spot_cosines.y, dot(-normalize(way), lamp_direction));
-    }
     return lamp;
 }
 
@@ -87,11 +82,11 @@ vec4 shade(DagView dag, SurfacePoint point) {
     vec3 light = sky * sky_light(point.normal, up);
 
     SeenLamp lamp = see_lamp(point);
-    float cosine = dot(point.normal, normalize(lamp.disc.to_centre));
+    float cosine = dot(point.normal, normalize(lamp.patch_of_it.centre));
     if (cosine > 0.0 && lamp.strength > 0.0) {
         float part = 1.0;
         if (lamp_samples > 0) {
-            int seen = lamp_samples_seen(dag, start, point.face, lamp.disc, to_voxels,
+            int seen = lamp_samples_seen(dag, start, point.face, lamp.patch_of_it, to_voxels,
                                          sample_number * lamp_samples, (sample_number + 1) * lamp_samples,
                                          point.seed ^ 0x02e5be93u);
             part = float(seen) / float(lamp_samples);
