@@ -157,7 +157,9 @@ export class App {
         byId('scene-size').textContent = `${2 ** depth}³`;
         if (!same) {
             const light = storedLight(metadata);
-            this.base = { ...kDefaults, light, finestLevel: depth };
+            // Smoothing takes a GPU; without one faces are quick, and the control is there.
+            const smooth = kDefaults.smooth && !this.renderer?.software;
+            this.base = { ...kDefaults, light, smooth, finestLevel: depth };
             const link = readLink(location.hash);
             this.settings = { ...this.base, ...link.settings, memory: this.settings.memory };
             this.camera = link.camera;

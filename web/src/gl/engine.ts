@@ -10,6 +10,8 @@ const kStrip = 24; // for a strip of the picture at rest
 const kRestAfter = 180; // without a change
 const kLeastScale = 0.125;
 const kProbeEvery = 500;
+/** While something moves, each frame makes the normals of one pixel in so many that lack one. */
+const kTurns = 8;
 /** Samples after which nothing can be seen to change. */
 const kEnough = 256;
 
@@ -35,6 +37,7 @@ export class Engine {
     private live: Canvas | undefined;
     private rest: Canvas | undefined;
     private restRow = 0; // rows of the next sample that are drawn
+    private turn = 0;
     private stripRows = 16;
     private scale = 0.5; // of the live picture
     private changed = -Infinity;
@@ -44,7 +47,10 @@ export class Engine {
     private pending = 0;
     private frameTimes: number[] = [];
     private probed = 0;
+    private probeSamples = 1;
     private raysPerSample = 1;
+    /** What the shortest piece of work takes: the way to the GPU and back, which fewer pixels do not shorten. */
+    private overhead = 1000;
     private pixelTimes: { at: number; pixels: number }[] = [];
     private smoothSeen: boolean;
     private presented: Canvas | undefined;
@@ -176,7 +182,8 @@ export class Engine {
         this.live.samples = 0;
         const shot = this.shotFor(plan, this.live);
         this.renderer.drawBeams(this.live, shot);
-        this.renderer.drawRows(this.live, shot, 0, this.live.height, true);
+        this.turn += 1;
+        this.renderer.drawRows(this.live, shot, 0, this.live.height, true, this.turn, kTurns);
         this.renderer.finishSample(this.live);
         this.show(this.live);
         this.liveStale = false;
@@ -197,8 +204,7 @@ export class Engine {
             return;
         }
         const to = Math.min(rest.height, this.restRow + this.stripRows);
-        const centred = false;
-        this.renderer.drawRows(rest, this.shotFor(plan, rest), this.restRow, to, centred);
+        this.renderer.drawRows(rest, this.shotFor(plan, rest), this.restRow, to, false, 0, 1);
         const pixels = rest.width * (to - this.restRow);
         this.restRow = to;
         if (to === rest.height) {
@@ -230,7 +236,9 @@ export class Engine {
         gl.deleteSync(waiting.sync);
         this.waiting = undefined;
         const now = performance.now();
-        const took = now - waiting.began;
+        const elapsed = now - waiting.began;
+        this.overhead = Math.min(this.overhead * 1.01, elapsed);
+        const took = Math.max(1, elapsed - 0.9 * this.overhead);
         this.pixelTimes = this.pixelTimes.filter(({ at }) => now - at < 1000);
         this.pixelTimes.push({ at: now, pixels: waiting.pixels });
         if (waiting.rest) {
@@ -250,8 +258,6 @@ export class Engine {
         }
         return true;
     }
-
-    private probeSamples = 1;
 
     private collectProbe(): void {
         const rays = this.renderer.collectRays();

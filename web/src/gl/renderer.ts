@@ -6,7 +6,9 @@ import { type CameraUniforms } from '../view/camera';
 import type { Mode } from '../view/settings';
 import type { Vec3 } from '../view/vec';
 import { Program } from './program';
-import { beamText, kVertexText, pickText, presentText, traceText } from './shader_text';
+import {
+    beamText, kVertexText, keepText, keepVertexText, normalText, pickText, presentText, primaryText, shadeText,
+} from './shader_text';
 import { WordsTexture } from './words_texture';
 
 /** All that a sample of the picture depends on. */
@@ -43,12 +45,15 @@ export interface Pick {
 const kModeNumbers: Record<Mode, number> = { shaded: 0, normals: 1, levels: 2, steps: 3 };
 const kFaceNone = 7;
 const kBeamBlock = 8;
+const kCacheSide = 1024; // of normals, see hit.glsl
 export const kProbe = 32;
 
 /** A picture under way: two textures that take turns to hold the sum of the samples. */
 export class Canvas {
     readonly targets: { texture: WebGLTexture; frame: WebGLFramebuffer }[];
     readonly beam: { texture: WebGLTexture; frame: WebGLFramebuffer };
+    readonly hits: { texture: WebGLTexture; frame: WebGLFramebuffer };
+    readonly normals: { texture: WebGLTexture; frame: WebGLFramebuffer };
     samples = 0; // whole ones
     current = 0; // the target that holds them
 
@@ -61,14 +66,16 @@ export class Canvas {
         this.targets = [target(gl, format, width, height), target(gl, format, width, height)];
         const blocks = [Math.ceil(width / kBeamBlock), Math.ceil(height / kBeamBlock)] as const;
         this.beam = target(gl, gl.R32UI, ...blocks);
+        this.hits = target(gl, gl.RGBA32UI, width, height);
+        this.normals = target(gl, gl.R32UI, width, height);
     }
 
     get bytes(): number {
-        return this.width * this.height * 2 * 16;
+        return this.width * this.height * (3 * 16 + 4);
     }
 
     free(): void {
-        for (const { texture, frame } of [...this.targets, this.beam]) {
+        for (const { texture, frame } of [...this.targets, this.beam, this.hits, this.normals]) {
             this.gl.deleteFramebuffer(frame);
             this.gl.deleteTexture(texture);
         }
@@ -96,8 +103,11 @@ export class Renderer {
     private readonly rowBits: number;
     private readonly format: number;
     private readonly parallel: KHR_parallel_shader_compile | null;
-    private readonly flat: Program;
-    private readonly smooth: Program;
+    private readonly primary: Program;
+    private readonly normals: Program;
+    private readonly keeper: Program;
+    private readonly shader: Program;
+    private readonly cache: { texture: WebGLTexture; frame: WebGLFramebuffer };
     private readonly beams: Program;
     private readonly presenter: Program;
     private picker: Program | undefined;
@@ -116,25 +126,35 @@ export class Renderer {
         this.name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
         gl.bindVertexArray(gl.createVertexArray());
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+        this.cache = target(gl, gl.RGBA32UI, kCacheSide, kCacheSide);
         const program = (text: string): Program => new Program(gl, kVertexText, text, this.parallel);
         this.presenter = program(presentText());
-        this.flat = program(traceText(this.rowBits, false));
+        this.primary = program(primaryText(this.rowBits));
         this.beams = program(beamText(this.rowBits));
-        this.smooth = program(traceText(this.rowBits, true));
+        this.shader = program(shadeText(this.rowBits));
+        this.keeper = new Program(gl, keepVertexText(this.rowBits), keepText(), this.parallel);
+        this.normals = program(normalText(this.rowBits));
+    }
+
+    /** Drawn by the processor, where no GPU is. */
+    get software(): boolean {
+        return /swiftshader|llvmpipe|software|basic render/i.test(this.name);
     }
 
     /** Can pictures be drawn at all? */
     get ready(): boolean {
-        return this.presenter.ready && this.flat.ready && this.beams.ready;
+        return this.presenter.ready && this.primary.ready && this.beams.ready && this.shader.ready;
     }
-    /** The smoothed program takes longest to compile. */
+    /** What smooths normals takes longest to compile; until then faces are shown as they are. */
     get smoothReady(): boolean {
-        return this.smooth.ready;
+        return this.normals.ready && this.keeper.ready;
     }
 
     /** Room for so many words of a DAG, in place of what was there. @returns whether there is room */
     reserve(words: number): boolean {
         this.words?.free();
+        this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.cache.frame);
+        this.gl.clearBufferuiv(this.gl.COLOR, 0, [0, 0, 0, 0]);
         this.words = WordsTexture.make(this.gl, words, this.rowBits);
         return this.words !== undefined;
     }
@@ -154,27 +174,87 @@ export class Renderer {
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
-    /** Adds rows [from, to) of the next sample. The sample counts once `finishSample` is called. */
-    drawRows(canvas: Canvas, shot: Shot, from: number, to: number, centred: boolean): void {
+    /**
+     * Adds rows [from, to) of the next sample. The sample counts once `finishSample` is called.
+     *
+     * @param turn, turns  of the normals that are missing, those of one pixel in `turns` are made
+     */
+    drawRows(canvas: Canvas, shot: Shot, from: number, to: number, centred: boolean, turn: number, turns: number): void {
         const { gl } = this;
-        const program = shot.smooth && this.smooth.ready ? this.smooth : this.flat;
-        program.use();
-        this.setView(program, canvas.width, canvas.height, shot);
-        this.setShading(program, shot);
-        gl.uniform1i(program.at('use_beam'), this.beamsPay(shot) ? 1 : 0);
-        gl.uniform1i(program.at('first'), canvas.samples === 0 ? 1 : 0);
-        gl.uniform1i(program.at('centred'), centred ? 1 : 0);
-        gl.uniform1i(program.at('sample_number'), canvas.samples);
-        this.bind(1, gl.TEXTURE_2D, canvas.targets[canvas.current]!.texture);
-        gl.uniform1i(program.at('sum_before'), 1);
-        this.bind(2, gl.TEXTURE_2D, canvas.beam.texture);
-        gl.uniform1i(program.at('beam'), 2);
-        gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.targets[1 - canvas.current]!.frame);
         gl.viewport(0, 0, canvas.width, canvas.height);
         gl.enable(gl.SCISSOR_TEST);
         gl.scissor(0, from, canvas.width, to - from);
-        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        const shows = shot.mode === 'shaded' || shot.mode === 'normals';
+        const smooth = shot.smooth && shows && this.smoothReady && shot.depth > 0;
+        this.drawHits(canvas, shot, centred, smooth);
+        if (smooth) {
+            this.drawNormals(canvas, shot, from, turn, turns);
+            gl.disable(gl.SCISSOR_TEST);
+            this.keepNormals(canvas, from, to);
+            gl.enable(gl.SCISSOR_TEST);
+            gl.viewport(0, 0, canvas.width, canvas.height);
+        }
+        this.drawShading(canvas, shot, centred, smooth);
         gl.disable(gl.SCISSOR_TEST);
+    }
+
+    private drawHits(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
+        const { gl, primary } = this;
+        primary.use();
+        this.setView(primary, canvas.width, canvas.height, shot);
+        this.setSample(primary, canvas, centred);
+        gl.uniform1i(primary.at('use_beam'), this.beamsPay(shot) ? 1 : 0);
+        this.bind(primary, 'beam', 1, canvas.beam.texture);
+        gl.uniform1i(primary.at('smoothed'), smooth ? 1 : 0);
+        this.bind(primary, 'cache', 2, this.cache.texture);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.hits.frame);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    private drawNormals(canvas: Canvas, shot: Shot, from: number, turn: number, turns: number): void {
+        const { gl, normals } = this;
+        normals.use();
+        gl.activeTexture(gl.TEXTURE0);
+        gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.words?.texture ?? null);
+        gl.uniform1i(normals.at('dag_words'), 0);
+        gl.uniform1i(normals.at('depth'), shot.depth);
+        gl.uniform1i(normals.at('first_row'), from);
+        gl.uniform1i(normals.at('turn'), turn % turns);
+        gl.uniform1i(normals.at('turns'), turns);
+        this.bind(normals, 'hits', 1, canvas.hits.texture);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.normals.frame);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    private keepNormals(canvas: Canvas, from: number, to: number): void {
+        const { gl, keeper } = this;
+        keeper.use();
+        gl.uniform1i(keeper.at('first_row'), from);
+        this.bind(keeper, 'hits', 1, canvas.hits.texture);
+        this.bind(keeper, 'normals', 2, canvas.normals.texture);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.cache.frame);
+        gl.viewport(0, 0, kCacheSide, kCacheSide);
+        gl.drawArrays(gl.POINTS, 0, canvas.width * (to - from));
+    }
+
+    private drawShading(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
+        const { gl, shader } = this;
+        shader.use();
+        this.setView(shader, canvas.width, canvas.height, shot);
+        this.setSample(shader, canvas, centred);
+        this.setShading(shader, shot);
+        gl.uniform1i(shader.at('first'), canvas.samples === 0 ? 1 : 0);
+        gl.uniform1i(shader.at('smoothed'), smooth ? 1 : 0);
+        this.bind(shader, 'hits', 1, canvas.hits.texture);
+        this.bind(shader, 'cache', 2, this.cache.texture);
+        this.bind(shader, 'sum_before', 3, canvas.targets[canvas.current]!.texture);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.targets[1 - canvas.current]!.frame);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    private setSample(program: Program, canvas: Canvas, centred: boolean): void {
+        this.gl.uniform1i(program.at('centred'), centred ? 1 : 0);
+        this.gl.uniform1i(program.at('sample_number'), canvas.samples);
     }
 
     finishSample(canvas: Canvas): void {
@@ -186,8 +266,7 @@ export class Renderer {
         const { gl } = this;
         const program = this.presenter;
         program.use();
-        this.bind(1, gl.TEXTURE_2D, canvas.targets[canvas.current]!.texture);
-        gl.uniform1i(program.at('sum'), 1);
+        this.bind(program, 'sum', 1, canvas.targets[canvas.current]!.texture);
         gl.uniform1f(program.at('samples'), Math.max(1, canvas.samples));
         gl.uniform1f(program.at('exposure'), 2 ** exposure);
         gl.uniform1i(program.at('tone_mapped'), toneMapped ? 1 : 0);
@@ -263,9 +342,10 @@ export class Renderer {
         return shot.depth > 0 && shot.camera.before === 0;
     }
 
-    private bind(unit: number, kind: number, texture: WebGLTexture): void {
+    private bind(program: Program, sampler: string, unit: number, texture: WebGLTexture): void {
         this.gl.activeTexture(this.gl.TEXTURE0 + unit);
-        this.gl.bindTexture(kind, texture);
+        this.gl.bindTexture(this.gl.TEXTURE_2D, texture);
+        this.gl.uniform1i(program.at(sampler), unit);
     }
 
     private setView(program: Program, width: number, height: number, shot: Shot): void {

@@ -14,7 +14,13 @@ import shading from '../../../src/octavo/render/shade.h?raw';
 import dag from '../shaders/dag.glsl?raw';
 import view from '../shaders/view.glsl?raw';
 import beamMain from '../shaders/beam.frag?raw';
-import traceMain from '../shaders/trace.frag?raw';
+import hit from '../shaders/hit.glsl?raw';
+import sample from '../shaders/sample.glsl?raw';
+import primaryMain from '../shaders/primary.frag?raw';
+import keepVertex from '../shaders/keep.vert?raw';
+import keepMain from '../shaders/keep.frag?raw';
+import normalMain from '../shaders/normal.frag?raw';
+import shadeMain from '../shaders/shade.frag?raw';
 import pickMain from '../shaders/pick.frag?raw';
 import presentMain from '../shaders/present.frag?raw';
 
@@ -29,26 +35,38 @@ export const kVertexText = `${kVersion}void main() {
 }
 `;
 
-function assemble(defines: Record<string, number>, parts: string[]): string {
-    const lines = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}\n`);
-    return kVersion + lines.join('') + kPrecision + parts.join('\n');
+const kTrace = [sharedText, dag, traverse, beams, sampling, cameraRay, surface, hit, view, sample];
+
+/** @param rowBits  of dag.glsl */
+function assemble(rowBits: number, parts: string[]): string {
+    return `${kVersion}#define ROW_BITS ${rowBits}\n${kPrecision}${parts.join('\n')}`;
 }
 
-/** @param rowBits  see dag.glsl */
-export function traceText(rowBits: number, smooth: boolean): string {
-    const normals = smooth ? [smoothNormal] : [];
-    return assemble({ ROW_BITS: rowBits, SMOOTH: smooth ? 1 : 0 }, [
-        sharedText, dag, traverse, beams, sampling, ambientOcclusion, shadow, cameraRay, surface, ...normals,
-        shading, view, traceMain,
-    ]);
+export function primaryText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, primaryMain]);
+}
+
+export function normalText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, sampling, surface, smoothNormal, hit, normalMain]);
+}
+
+export function keepVertexText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, sampling, hit, keepVertex]);
+}
+export function keepText(): string {
+    return `${kVersion}${kPrecision}${keepMain}`;
+}
+
+export function shadeText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, shading, shadeMain]);
 }
 
 export function beamText(rowBits: number): string {
-    return assemble({ ROW_BITS: rowBits }, [sharedText, dag, traverse, beams, cameraRay, view, beamMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, beamMain]);
 }
 
 export function pickText(rowBits: number): string {
-    return assemble({ ROW_BITS: rowBits }, [sharedText, dag, traverse, beams, cameraRay, view, pickMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, pickMain]);
 }
 
 export function presentText(): string {

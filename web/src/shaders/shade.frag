@@ -1,16 +1,15 @@
-// One sample of each pixel: a primary ray, and what it is asked to show. The shading is that of
-// octavo::render, and its random numbers are the same: after n samples the sum is that picture.
+// What each pixel's hit is asked to show, added to the samples before it. The shading is that of
+// octavo::render.
 const int kShaded = 0;
 const int kNormals = 1;
 const int kLevels = 2;
 const int kSteps = 3;
 
+uniform highp usampler2D hits;
+uniform highp usampler2D cache;      // see hit.glsl
 uniform highp sampler2D sum_before;  // of the samples before this one
-uniform highp usampler2D beam;       // see beam.frag
-uniform bool use_beam;
-uniform bool first;     // there is no sample before this one
-uniform bool centred;   // the pixel's middle, where few samples are asked for
-uniform int sample_number;
+uniform bool first;                  // there is none
+uniform bool smoothed;
 uniform int mode;
 uniform vec3 up;
 uniform float depth_levels;  // of the whole grid
@@ -37,35 +36,30 @@ vec3 ramp(float t) {
 }
 
 SurfacePoint surface_point(DagView dag, GridRay ray, GridHit hit, uint seed) {
-#if SMOOTH
-    return smoothed_point(dag, ray, hit, smooth_normal_32(dag, ray, hit), seed);
-#else
+    if (smoothed && hit.face < kFaceInside) {
+        uvec4 slot = texelFetch(cache, slot_of(hit), 0);
+        if (slot.xyz == slot_key(hit)) return smoothed_point(dag, ray, hit, unpack_normal(slot.w), seed);
+    }
     return flat_point(ray, hit, seed);
-#endif
 }
 
 struct SeenLamp {
-    LampDisc disc;
+    LampPatch patch_of_it;
     float strength;
 };
 
 SeenLamp see_lamp(SurfacePoint point) {
     SeenLamp lamp;
-    lamp.disc.radius = lamp_radius;
     lamp.strength = 1.0;
     if (lamp_is_sun) {
-        lamp.disc.to_centre = lamp_direction;
-        lamp.disc.t_end = 1e30;
+        lamp.patch_of_it = facing_disc(lamp_direction, lamp_radius, 1e30);
         return lamp;
     }
     vec3 way = vec3(lamp_cell - point.cell) + (lamp_frac - point.frac);
-    float distance_squared = max(dot(way, way), 1e-30);
-    lamp.disc.to_centre = way;
-    lamp.disc.t_end = 1.0;
-    lamp.strength = 1.0 / distance_squared;
-    if (spot_cosines.x > -1.5) {
+    lamp.patch_of_it = facing_disc(way, lamp_radius, 1.0);
+    lamp.strength = 1.0 / max(dot(way, way), 1e-30);
+    if (spot_cosines.x > -1.5)
         lamp.strength *= smoothstep(spot_cosines.x, spot_cosines.y, dot(-normalize(way), lamp_direction));
-    }
     return lamp;
 }
 
@@ -88,11 +82,11 @@ vec4 shade(DagView dag, SurfacePoint point) {
     vec3 light = sky * sky_light(point.normal, up);
 
     SeenLamp lamp = see_lamp(point);
-    float cosine = dot(point.normal, normalize(lamp.disc.to_centre));
+    float cosine = dot(point.normal, normalize(lamp.patch_of_it.centre));
     if (cosine > 0.0 && lamp.strength > 0.0) {
         float part = 1.0;
         if (lamp_samples > 0) {
-            int seen = lamp_samples_seen(dag, start, point.face, lamp.disc, to_voxels,
+            int seen = lamp_samples_seen(dag, start, point.face, lamp.patch_of_it, to_voxels,
                                          sample_number * lamp_samples, (sample_number + 1) * lamp_samples,
                                          point.seed ^ 0x02e5be93u);
             part = float(seen) / float(lamp_samples);
@@ -114,8 +108,7 @@ vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
         float facing = hit.face >= kFaceInside ? 1.0 : abs(normalize(ray.dir)[hit.face / 2]);
         return vec4(ramp(level) * (0.7 + 0.3 * facing), 1.0);
     }
-    GridHit open_hit = move_to_open_face(dag, ray, hit);
-    SurfacePoint point = surface_point(dag, ray, open_hit, seed);
+    SurfacePoint point = surface_point(dag, ray, hit, seed);
     if (mode == kNormals) return vec4(0.5 + 0.5 * point.normal, 1.0);
     return shade(dag, point);
 }
@@ -123,12 +116,7 @@ vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     ivec2 pixel = pixel_of(at);
-    uint seed = pixel_seed(uint(pixel.x), uint(pixel.y), 0u);
-    vec2 inside = centred ? vec2(0.5) : sample_2d(uint(sample_number), seed ^ 0x2545f491u);
-    GridRay ray = camera_ray(camera(), pixel, inside);
-    if (use_beam) ray.t_min = uintBitsToFloat(texelFetch(beam, at >> 3, 0).x);
-    DagView dag = dag_view();
-    GridHit hit = trace_closest(dag, ray, primary_stop);
-    sum = picture_of(dag, ray, hit, seed);
+    GridHit hit = unpack_hit(texelFetch(hits, at, 0));
+    sum = picture_of(dag_view(), sample_ray(pixel), hit, seed_of(pixel));
     if (!first) sum += texelFetch(sum_before, at, 0);
 }
