@@ -31,6 +31,7 @@ constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
     std::filesystem::path file;
+    bool trusted = false;
     std::filesystem::path output;
     RenderOptions options;
     uvec2 size{1280, 720};
@@ -124,7 +125,7 @@ std::optional<Light> stored_light(const Model& model, const dvec3& up) {
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force);
-    const Model model = read_octv(arguments.file);
+    const Model model = read_octv(arguments.file, {.trusted = arguments.trusted});
 
     RenderOptions& options = arguments.options;
     options.width = static_cast<int>(arguments.size.x);
@@ -189,6 +190,7 @@ void add_render_command(CLI::App& program) {
     const auto arguments = std::make_shared<RenderArguments>();
     set_help(command, kExamples);
     command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
         ->required()
         ->type_name("FILE");
