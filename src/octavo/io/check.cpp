@@ -11,6 +11,7 @@
 #include <bit>
 #include <iterator>
 #include <utility>
+#include <variant>
 
 #include "octavo/core/grid.h"
 #include "octavo/dag/node.h"
@@ -147,6 +148,19 @@ std::optional<DagFault> begins_fault(std::span<const std::uint64_t> begins, std:
     return std::nullopt;
 }
 
+/// Voxels below each node of one level, in the narrowest numbers that hold them: what bounds the
+/// check is how much memory it reads here and there, and most nodes are low.
+using VoxelCounts = std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>,
+                                 std::vector<std::uint32_t>, std::vector<std::uint64_t>>;
+
+/// @param height  of the nodes' level above the voxels: 2 for leaves
+VoxelCounts make_counts(std::size_t height, std::uint64_t nodes) {
+    if (height <= 2) return std::vector<std::uint8_t>(nodes);    // 64
+    if (height <= 5) return std::vector<std::uint16_t>(nodes);   // 2^15
+    if (height <= 10) return std::vector<std::uint32_t>(nodes);  // 2^30
+    return std::vector<std::uint64_t>(nodes);
+}
+
 class DagChecker {
 public:
     DagChecker(std::span<const std::uint64_t> begins, Words words, const DagClaims& claims,
@@ -210,15 +224,18 @@ private:
         const Level leaves = range(leaf_level_);
         if (leaves.size() % kLeafWords != 0)
             add("leaf-odd", leaves.begin, "the leaf level has an odd number of words");
-        check_parts(leaves.size() / kLeafWords, 1 << 16,
-                    [&](std::uint64_t begin, std::uint64_t end, Faults& faults) {
-                        for (std::uint64_t i = begin; i < end; ++i) {
-                            const std::uint64_t word = leaves.begin + i * kLeafWords;
-                            if ((words_[word] | words_[word + 1]) != 0) continue;
-                            if (faults.size() == options_.max_faults) return;
-                            faults.push_back({"leaf-empty", word, "a leaf without voxels"});
-                        }
-                    });
+        const std::uint64_t count = leaves.size() / kLeafWords;
+        std::vector<std::uint8_t> voxels(count);
+        check_parts(count, 1 << 16, [&](std::uint64_t begin, std::uint64_t end, Faults& faults) {
+            for (std::uint64_t i = begin; i < end; ++i) {
+                const std::uint64_t word = leaves.begin + i * kLeafWords;
+                voxels[i] = static_cast<std::uint8_t>(
+                    std::popcount(words_[word] | std::uint64_t{words_[word + 1]} << 32));
+                if (voxels[i] == 0 && faults.size() < options_.max_faults)
+                    faults.push_back({"leaf-empty", word, "a leaf without voxels"});
+            }
+        });
+        voxels_below_ = std::move(voxels);
     }
 
     void check_node_counts() {
@@ -239,49 +256,70 @@ private:
         }
     }
 
-    [[nodiscard]] std::uint64_t leaf_voxels(std::uint64_t word) const {
-        return static_cast<unsigned>(
-            std::popcount(words_[word] | std::uint64_t{words_[word + 1]} << 32));
-    }
-
     /// Checks the pointers of one level, and adds up the voxels below each of its nodes.
     void check_pointers(std::size_t level) {
+        const std::size_t height = begins_.size() - level;
+        VoxelCounts sums = make_counts(height, starts_[level].count());
+        std::visit([&](auto& sum, const auto& below) { check_pointers(level, sum, below); }, sums,
+                   voxels_below_);
+        voxels_below_ = std::move(sums);
+    }
+
+    template <typename Sum, typename Below>
+    void check_pointers(std::size_t level, std::vector<Sum>& sums,
+                        const std::vector<Below>& below) {
         const Level next = range(level + 1);
         if (level + 1 == leaf_level_) {
-            follow(level, next, [&](std::uint64_t word, std::uint64_t& voxels) {
-                if ((word - next.begin) % kLeafWords != 0) return false;
-                // An odd level ends in half a leaf.
-                if (word + 1 < next.end) voxels += leaf_voxels(word);
-                return word + 1 < next.end;
-            });
+            follow(
+                level, next, sums, [&](std::uint64_t at) { prefetch(below, at / kLeafWords); },
+                [&](std::uint64_t at, Sum& sum) {
+                    // An odd level ends in half a leaf, which has no count.
+                    if (at % kLeafWords != 0 || at / kLeafWords >= below.size()) return false;
+                    sum = static_cast<Sum>(sum + below[at / kLeafWords]);
+                    return true;
+                });
         } else {
             const NodeStarts& starts = starts_[level + 1];
-            follow(level, next, [&](std::uint64_t word, std::uint64_t& voxels) {
-                if (!starts.known(word)) return true;
-                if (!starts.contains(word)) return false;
-                voxels += voxels_below_[starts.rank(word)];
-                return true;
-            });
+            follow(
+                level, next, sums,
+                [&](std::uint64_t at) { prefetch(starts.blocks(), at / NodeStarts::kWords); },
+                [&](std::uint64_t at, Sum& sum) {
+                    const std::uint64_t word = next.begin + at;
+                    if (!starts.known(word)) return true;
+                    if (!starts.contains(word)) return false;
+                    sum = static_cast<Sum>(sum + below[starts.rank(word)]);
+                    return true;
+                });
         }
     }
 
-    /// @param enter  (word, voxels): whether a node begins at this word of the next level; adds
-    /// what
-    ///               is in it to the voxels
-    template <typename Enter>
-    void follow(std::size_t level, const Level& next, const Enter& enter) {
+    template <typename Array>
+    static void prefetch(const Array& array, std::uint64_t i) {
+        __builtin_prefetch(array.data() + i);
+    }
+
+    /// @param soon   (at): this word of the next level will be entered
+    /// @param enter  (at, sum): whether a node begins at this word of the next level; adds what is
+    /// in
+    ///               it to the sum
+    template <typename Sum, typename Soon, typename Enter>
+    void follow(std::size_t level, const Level& next, std::vector<Sum>& sums, const Soon& soon,
+                const Enter& enter) {
+        constexpr std::uint64_t kAhead = 24;  // words; 12 to 48 are as good
         const NodeStarts& starts = starts_[level];
-        std::vector<std::uint64_t> voxels(starts.count());
+        const std::uint64_t last_word = words_.size() - 1;
         check_parts(
             starts.blocks().size(), 256,
             [&](std::uint64_t first, std::uint64_t last, Faults& faults) {
                 starts.for_each(first, last, [&](std::uint64_t node, std::uint64_t number) {
                     const auto size = static_cast<unsigned>(node_words(words_[node]));
-                    std::uint64_t sum = 0;
+                    Sum sum = 0;
                     for (std::uint64_t word = node + 1; word < node + size; ++word) {
+                        const std::uint64_t ahead = words_[std::min(word + kAhead, last_word)];
+                        if (next.holds(ahead)) soon(ahead - next.begin);
                         const std::uint64_t target = words_[word];
                         const bool holds = next.holds(target);
-                        if (holds && enter(target, sum)) continue;
+                        if (holds && enter(target - next.begin, sum)) continue;
                         if (faults.size() == options_.max_faults) continue;
                         const std::string pointer = "pointer " + std::to_string(target);
                         if (holds)
@@ -291,15 +329,15 @@ private:
                             faults.push_back({"pointer-outside", word,
                                               pointer + " leads outside the next level"});
                     }
-                    voxels[number] = sum;
+                    sums[number] = sum;
                 });
             });
-        voxels_below_ = std::move(voxels);
     }
 
     void check_voxels() {
         if (!claims_.voxels) return;
-        const std::uint64_t found = leaf_level_ == 0 ? leaf_voxels(0) : voxels_below_[0];
+        const std::uint64_t found =
+            std::visit([](const auto& counts) { return std::uint64_t{counts[0]}; }, voxels_below_);
         if (found != *claims_.voxels)
             add("voxel-count", 0,
                 "the DAG holds " + std::to_string(found) + " voxels where " +
@@ -397,8 +435,8 @@ private:
     const DagClaims& claims_;
     const DagCheckOptions& options_;
     std::size_t leaf_level_;
-    std::vector<NodeStarts> starts_;           // of the interior levels
-    std::vector<std::uint64_t> voxels_below_;  // for each node of the level checked last
+    std::vector<NodeStarts> starts_;  // of the interior levels
+    VoxelCounts voxels_below_;        // of the level checked last
     Faults faults_;
 };
 
