@@ -12,6 +12,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "help.h"
+#include "light_arguments.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "octavo/render/render.h"
@@ -24,7 +25,8 @@ namespace {
 constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
-    "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n";
+    "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
+    "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kDefaultFovDegrees = 45.0;
@@ -40,6 +42,7 @@ struct RenderArguments {
     std::string camera_name;
     bool overview = false;
     std::optional<std::array<double, 2>> sun;
+    std::vector<std::string> lights;
     double exposure = 0.0;
     bool flat_normals = false;
     bool force = false;
@@ -90,35 +93,23 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     return camera;
 }
 
-/// Files measure light in lux, candela, watts or nothing at all; the sky here has none of these. A
-/// sun up to this is taken as it is; of any other light only the colour counts.
-constexpr float kBrightestSun = 10.0f;
-
-float brightest(const vec3& color) {
-    return std::max({color.r, color.g, color.b});
-}
-
-/// The scene's own light: its first sun, else its first lamp. One in unknown units is made as
-/// bright as the default sun: a lamp, where it is seen from the middle of the scene.
-std::optional<Light> stored_light(const Model& model, const dvec3& up) {
-    const std::vector<Light>& lights = model.metadata.lights;
-    if (lights.empty()) return {};
-    const auto sun = std::ranges::find(lights, Light::Kind::sun, &Light::kind);
-    Light light = sun != lights.end() ? *sun : lights.front();
-
-    const float stored = brightest(light.intensity);
-    const bool is_sun = light.kind == Light::Kind::sun;
-    if (!(stored > 0.0f) || (is_sun && stored <= kBrightestSun)) return light;
-    double wanted = brightest(sun_at(0.0, 0.0, up).intensity);
-    if (!is_sun) {
-        const Box box = content_bounds(model.dag, model.grid());
-        const Box lit = box.empty() ? model.grid().bounds() : box;
-        const double distance =
-            std::max(glm::length(light.position - lit.centre()), 0.25 * glm::length(lit.size()));
-        wanted *= distance * distance;
+/// The lights of the arguments; else those of the file; else a sun from the left.
+std::optional<std::vector<Light>> lights_of(const RenderArguments& arguments, const Model& model) {
+    const dvec3& up = arguments.options.up;
+    std::vector<LightArgument> described;
+    if (arguments.sun) described.push_back({.light = unit_sun(*arguments.sun, up)});
+    for (const std::string& text : arguments.lights) {
+        try {
+            described.push_back(parse_light(text, up));
+        } catch (const Error& error) {
+            throw Error(Errc::bad_argument, std::string("--light: ") + error.what());
+        }
     }
-    light.intensity *= static_cast<float>(wanted / stored);
-    return light;
+    const Box box = content_bounds(model.dag, model.grid());
+    const Box lit = box.empty() ? model.grid().bounds() : box;
+    if (!described.empty()) return chosen_lights(described, model.metadata.lights, lit);
+    if (model.metadata.lights.empty()) return std::nullopt;
+    return balanced(model.metadata.lights, lit);
 }
 
 void run_render(RenderArguments& arguments) {
@@ -131,8 +122,7 @@ void run_render(RenderArguments& arguments) {
     options.height = static_cast<int>(arguments.size.y);
     options.smooth_normals = !arguments.flat_normals;
     options.camera = chosen_camera(arguments, model);
-    options.light = arguments.sun ? sun_at((*arguments.sun)[0], (*arguments.sun)[1], options.up)
-                                  : stored_light(model, options.up);
+    options.lights = lights_of(arguments, model);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
@@ -162,9 +152,22 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {
     add_parsed(command, "--sun", arguments.sun, parse_angles,
-               "Where the sun stands: degrees from +z towards +x, and above the horizon; "
-               "otherwise the scene's own sun or lamp, or one from the left",
+               "Where the sun stands: degrees from +z towards +x, and above the horizon",
                "AZIMUTH,ELEVATION");
+    command
+        .add_option("--light", arguments.lights,
+                    "A light; may be given several times. sun:AZIMUTH,ELEVATION, point:X,Y,Z, "
+                    "spot:X,Y,Z:to=X,Y,Z:angle=DEGREES, disc:X,Y,Z:to=X,Y,Z:size=RADIUS, "
+                    "rectangle:X,Y,Z:to=X,Y,Z:size=WxH, each with :size=, :color=R,G,B, "
+                    ":power=FACTOR; scene or scene=NAME for those of the file, none for the sky "
+                    "alone. Otherwise those of the file, or a sun from the left")
+        ->type_name("LIGHT")
+        ->allow_extra_args(false);
+    command
+        .add_option("--shadow-samples", arguments.options.shadow_samples,
+                    "Soft shadows: rays for each pixel and light, 16")
+        ->type_name("N")
+        ->check(within(1, 65536));
     add_parsed(command, "--shadows", arguments.options.shadows, parse_shadows,
                "none, hard or soft (the default)", "KIND");
     command

@@ -152,8 +152,9 @@ TEST(Visibility, DoesNotDependOnThreadsAndLeavesOutWhatIsNoPoint) {
     points.normals[20] = vec3(0.0f);
     points.normals[30] = vec3(static_cast<float>(nan));
     points.positions[40].x = 1e300;
-    VisibilityOptions options{.light_size = 0.1, .shadow_samples = 32, .ao_radius = 1.0};
+    VisibilityOptions options{.shadow_samples = 32, .ao_radius = 1.0};
     options.light = sun_from(corner.normal + corner.across);
+    options.light->size = 0.1;
     std::vector<float> shadow[2], ambient[2];
     for (int k = 0; k < 2; ++k) {
         shadow[k].resize(1000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// One pixel: primary rays, a lamp with shadow, and the sky with ambient occlusion, as in [K13]
+// One pixel: primary rays, lamps with shadow, and the sky with ambient occlusion, as in [K13]
 // section 4, on neutral clay.
 #include "octavo/render/render.h"
 
@@ -75,8 +75,9 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
-    if (!(o.light_size >= 0.0) || !std::isfinite(o.light_size))
-        refuse("the light's size is negative or not finite");
+    for (const Light& light : o.lights.value_or(std::vector<Light>{}))
+        if (!(light.size >= 0.0) || !std::isfinite(light.size))
+            refuse("a light's size is negative or not finite");
 }
 
 /// All that the pixels of one picture have in common.
@@ -88,9 +89,11 @@ public:
           grid_(grid),
           options_(options),
           up_(glm::normalize(options.up)),
-          rays_(checked_camera(dag, grid, options), grid, options.width, options.height),
-          light_(options.light ? *options.light
-                               : default_sun(checked_camera(dag, grid, options), options.up)) {
+          rays_(checked_camera(dag, grid, options), grid, options.width, options.height) {
+        if (options.lights)
+            for (const Light& light : *options.lights) lamps_.emplace_back(light, grid);
+        else
+            lamps_.emplace_back(default_sun(checked_camera(dag, grid, options), options.up), grid);
         const Box bounds = content_bounds(dag, grid);
         const double diagonal = bounds.empty() ? 1.0 : glm::length(bounds.size());
         const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
@@ -133,9 +136,8 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
-        vec3 lamp;  // its light, where nothing is in the way
         std::size_t sky_group;
-        std::size_t lamp_group;
+        std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
         int lamp_rays = 0;
     };
@@ -238,42 +240,49 @@ private:
                 face = shared::kFaceNone;
         }
 
-        Waiting w{k, normal, vec3(0.0f), tile.sky_queue.begin_group(),
-                  tile.lamp_queue.begin_group()};
+        Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
                 tile.sky_queue.add(sky_ray(start, face, normal, ao_radius_, n, seed ^ 0x68bc21ebu));
         }
-        SeenLamp lamp =
-            see_lamp(light_, options_.light_size, grid_, dvec3(start.cell) + dvec3(start.frac));
-        const float cosine = glm::dot(normal, glm::normalize(lamp.disc.to_centre));
-        if (cosine > 0.0f && lamp.strength > 0.0f) {
-            w.lamp = light_.intensity * (cosine * lamp.strength * 0.31830989f);
-            if (options_.shadows != Shadows::none) {
-                ivec2 some = share(options_.shadow_samples, i);
-                if (options_.shadows == Shadows::hard) {
-                    lamp.disc.radius = 0.0f;
-                    some = {i, i + 1};
-                }
-                w.lamp_rays = some.y - some.x;
-                queue_lamp_rays(dag_, start, face, lamp.disc, some.x, some.y, seed ^ 0x02e5be93u,
-                                options_.beam, tile.lamp_queue);
-            }
+        const bool soft = options_.shadows == Shadows::soft;
+        const ivec2 some = soft ? share(options_.shadow_samples, i) : ivec2(i, i + 1);
+        w.lamp_rays = some.y - some.x;
+        for (std::size_t n = 0; n < lamps_.size(); ++n) {
+            const std::size_t group = tile.lamp_queue.begin_group();
+            if (n == 0) w.lamp_group = group;
+            const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
+            const std::uint32_t lamp_seed =
+                seed ^ (0x02e5be93u + 0x9e3779b9u * static_cast<std::uint32_t>(n));
+            if (options_.shadows == Shadows::none)
+                add_unshadowed(lamp, some, lamp_seed, tile.lamp_queue);
+            else
+                queue_lamp_rays(dag_, lamp, some.x, some.y, lamp_seed, options_.beam,
+                                tile.lamp_queue);
         }
         tile.waiting.push_back(w);
     }
 
+    static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,
+                               RayQueue& queue) {
+        for (int i = some.x; i < some.y && !lamp.dark(); ++i)
+            queue.add_seen(lamp.ray(i, seed).light);
+    }
+
     [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
-        const auto part = [](int seen, int rays) {
-            return rays == 0 ? 1.0f : static_cast<float>(seen) / static_cast<float>(rays);
-        };
+        constexpr float kPerPi = 0.31830989f;
         const float facing_up = 0.5f + 0.5f * glm::dot(w.normal, vec3(up_));
-        const vec3 ambient = part(tile.sky_queue.seen(w.sky_group), w.sky_rays) *
-                             glm::mix(kGroundLight, kSkyLight, facing_up);
-        const vec3 direct = part(tile.lamp_queue.seen(w.lamp_group), w.lamp_rays) * w.lamp;
-        return kClay * (ambient + direct);
+        const float sky = w.sky_rays == 0
+                              ? 1.0f
+                              : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
+        vec3 light = sky * glm::mix(kGroundLight, kSkyLight, facing_up);
+        for (std::size_t n = 0; n < lamps_.size(); ++n)
+            light +=
+                lamps_[n].light().intensity *
+                (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
+        return kClay * light;
     }
 
     /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
@@ -298,7 +307,7 @@ private:
     const RenderOptions& options_;
     dvec3 up_;
     PixelRays rays_;
-    Light light_;
+    std::vector<Lamp> lamps_;
     float ao_radius_ = 0.0f;
     shared::Stop ao_stop_{0, 0.0f, 0.0f};
     shared::Stop primary_stop_{0, 0.0f, 0.0f};

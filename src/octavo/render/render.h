@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
@@ -22,11 +23,9 @@ struct RenderOptions {
     std::optional<Camera> camera;  // none: frames the voxels, see default_camera()
     dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
 
-    std::optional<Light> light;  // none: a sun from default_sun(); its intensity is its colour
-    double light_size =
-        0.02;  // soft shadows; sun: angular radius, radians; lamp: radius, world units
-    Shadows shadows = Shadows::soft;
-    int shadow_samples = 16;
+    std::optional<std::vector<Light>> lights;  // none: default_sun(); empty: the sky alone
+    Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
+    int shadow_samples = 16;                   // towards each light
 
     int ao_samples = 64;     // 0: no ambient occlusion
     double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
@@ -46,7 +45,7 @@ struct RenderOptions {
 ///
 /// @return        width * height pixels, see Image; an empty DAG gives the sky
 /// @throws Error  bad_argument where an option is out of range or not finite; cancelled
-/// Cost           (samples + shadow_samples + ao_samples) rays for each pixel that hits something
+/// Cost           (samples + lights * shadow_samples + ao_samples) rays for each pixel that hits
 [[nodiscard]] Image render(const Dag& dag, const Grid& grid, const RenderOptions& options);
 
 /// The smallest box, to a 256th of the grid, that holds all voxels; world space, empty for an empty
@@ -66,7 +65,7 @@ struct RenderOptions {
                              double vertical_fov);
 
 /// A sun that stands at this azimuth (from the +z axis, or the nearest thing at right angles to
-/// `up`, towards +x) and elevation above the horizon; radians.
+/// `up`, towards +x) and elevation above the horizon; radians. Its angular radius is 0.02.
 [[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
 
 /// The warm sun of the default picture: 55 degrees to the camera's left, 42 degrees high.
