@@ -52,18 +52,6 @@ private:
     std::vector<Entry> entries_ = std::vector<Entry>(4096);
 };
 
-const vec3 kClay(0.78f, 0.76f, 0.72f);
-const vec3 kZenith(0.30f, 0.47f, 0.78f);
-const vec3 kHorizon(0.80f, 0.86f, 0.93f);
-const vec3 kGround(0.42f, 0.39f, 0.35f);
-/// The sky's light on a surface that sees all of it, for an albedo of one.
-const vec3 kSkyLight(0.40f, 0.47f, 0.60f);
-const vec3 kGroundLight(0.22f, 0.19f, 0.16f);
-
-/// How far secondary rays of a smoothed surface start above it, in cells: the steps of a slanted
-/// plane are up to one cell high, and its shading must not see them.
-constexpr float kLift = 1.5f;
-
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
     if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
@@ -156,7 +144,6 @@ private:
                                                        p.options_.frame));
                 }
             sums.resize(pixels.size(), vec3(0.0f));
-            directions.resize(pixels.size());
             rays.resize(pixels.size());
             hits.resize(pixels.size());
         }
@@ -165,7 +152,6 @@ private:
         std::vector<ivec2> pixels;
         std::vector<std::uint32_t> seeds;
         std::vector<vec3> sums;
-        std::vector<dvec3> directions;
         std::vector<shared::GridRay> rays;
         std::vector<shared::GridHit> hits;
         std::vector<Waiting> waiting;
@@ -178,10 +164,7 @@ private:
             vec2 at(0.5f);
             if (options_.samples > 1)
                 at = shared::sample_2d(static_cast<std::uint32_t>(i), tile.seeds[k] ^ 0x2545f491u);
-            const double x = tile.pixels[k].x + static_cast<double>(at.x);
-            const double y = tile.pixels[k].y + static_cast<double>(at.y);
-            tile.directions[k] = rays_.direction(x, y);
-            tile.rays[k] = rays_.ray(x, y);
+            tile.rays[k] = camera_ray(rays_.view(), tile.pixels[k], at);
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
@@ -205,19 +188,13 @@ private:
         tile.lamp_queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
-                tile.sums[k] += sky(tile.directions[k]);
+                tile.sums[k] += shared::sky_color(tile.rays[k].dir, vec3(up_));
             else
                 send_rays(tile, k, i);
         }
         tile.sky_queue.trace();
         tile.lamp_queue.trace();
         for (const Waiting& w : tile.waiting) tile.sums[w.pixel] += shade(w, tile);
-    }
-
-    [[nodiscard]] vec3 sky(const dvec3& direction) const {
-        const float height = static_cast<float>(glm::dot(glm::normalize(direction), up_));
-        if (height < 0.0f) return glm::mix(kHorizon, kGround, std::min(1.0f, std::sqrt(-height)));
-        return glm::mix(kHorizon, kZenith, std::min(1.0f, std::pow(height, 0.6f)));
     }
 
     /// The part of `count` rays for the pixel that sample i shoots: [first, end).
@@ -231,14 +208,13 @@ private:
         const shared::GridRay& ray = tile.rays[k];
         const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const std::uint32_t seed = tile.seeds[k];
-        vec3 normal = face_normal(ray, hit);
-        shared::GridRay start = leave_hit(ray, hit, normal);
-        int face = hit.face;
-        if (options_.smooth_normals) {
-            normal = tile.normals.get(dag_, ray, hit);
-            if (lift(start, kLift * static_cast<float>(1 << hit.height) * normal))
-                face = shared::kFaceNone;
-        }
+        const shared::SurfacePoint point =
+            options_.smooth_normals
+                ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), seed)
+                : flat_point(ray, hit, seed);
+        const vec3 normal = point.normal;
+        const shared::GridRay start = surface_ray(point);
+        const int face = point.face;
 
         Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
         if (options_.ao_samples > 0) {
@@ -273,32 +249,15 @@ private:
 
     [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
         constexpr float kPerPi = 0.31830989f;
-        const float facing_up = 0.5f + 0.5f * glm::dot(w.normal, vec3(up_));
         const float sky = w.sky_rays == 0
                               ? 1.0f
                               : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
-        vec3 light = sky * glm::mix(kGroundLight, kSkyLight, facing_up);
+        vec3 light = sky * shared::sky_light(w.normal, vec3(up_));
         for (std::size_t n = 0; n < lamps_.size(); ++n)
             light +=
                 lamps_[n].light().intensity *
                 (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
-        return kClay * light;
-    }
-
-    /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
-    /// crevice, where the point would be black. False where it cannot.
-    [[nodiscard]] bool lift(shared::GridRay& start, const vec3& way) const {
-        for (const float part : {1.0f, 0.6f, 0.3f}) {
-            shared::GridRay lifted = start;
-            const vec3 frac = start.frac + part * way;
-            lifted.cell += ivec3(glm::floor(frac));
-            lifted.frac = frac - glm::floor(frac);
-            lifted.t_max = 1e-4f;
-            if (trace_any(dag_, lifted, {0, 0.0f, 0.0f})) continue;
-            start = lifted;
-            return true;
-        }
-        return false;
+        return shared::clay() * light;
     }
 
     const Dag& whole_dag_;
