@@ -15,7 +15,6 @@
 #include "arguments.h"
 #include "bench_build.h"
 #include "bench_rays.h"
-#include "bench_triangles.h"
 #include "commands.h"
 #include "help.h"
 #include "octavo/core/parallel.h"
@@ -28,6 +27,7 @@
 #include "output.h"
 #include "scene_input.h"
 #include "summary.h"
+#include "triangle_tracer.h"
 
 namespace octavo::cli {
 namespace {

@@ -71,6 +71,13 @@ Lamp::Lamp(const Light& light, const Grid& grid) : light_(light) {
 
 void Lamp::place_triangles(const Grid& grid) {
     Box box;
+    for (const auto& corners : light_.triangles)
+        for (const dvec3& corner : corners) box.extend(grid.to_grid(corner));
+    const dvec3 middle = box.empty() ? dvec3(0.0) : box.centre();
+    split(middle, placed_.cell, placed_.frac);
+    // Some bits more, for the rounding to float.
+    placed_.low = vec3(box.low - middle) * 1.00001f - 1e-2f;
+    placed_.high = vec3(box.high - middle) * 1.00001f + 1e-2f;
     double area = 0.0;
     for (const auto& corners : light_.triangles) {
         const dvec3 at = grid.to_grid(corners[0]);
@@ -79,23 +86,18 @@ void Lamp::place_triangles(const Grid& grid) {
         const dvec3 normal = glm::cross(u, v);
         const double length = glm::length(normal);
         if (!(length > 0.0) || !std::isfinite(length)) continue;
-        for (const dvec3& corner : {at, at + u, at + v}) box.extend(corner);
         shared::LampTriangle triangle{};
         split(at, triangle.cell, triangle.frac);
         triangle.u = vec3(u);
         triangle.v = vec3(v);
         triangle.normal = vec3(normal / length);
+        triangle.middle = vec3(at - middle) + (triangle.u + triangle.v) / 3.0f;
+        triangle.squared = static_cast<float>(length);
         triangle.area_so_far = static_cast<float>(area += 0.5 * length);
         triangles_.push_back(triangle);
     }
     placed_.triangle_count = static_cast<int>(triangles_.size());
     placed_.area = static_cast<float>(area);
-    if (box.empty()) return;
-    const dvec3 middle = box.centre();
-    split(middle, placed_.cell, placed_.frac);
-    // Some bits more, for the rounding to float.
-    placed_.low = vec3(box.low - middle) * 1.00001f - 1e-2f;
-    placed_.high = vec3(box.high - middle) * 1.00001f + 1e-2f;
 }
 
 float queue_lamp_rays(const shared::DagView& dag, const SeenLamp& lamp, int first, int end,

@@ -17,9 +17,9 @@ const int kRaysForABeam = 16;
 // For the choice of a triangle; the place on it takes the seed as it is.
 const uint kTriangleSeed = 0x7f4a7c15u;
 
-// Points of a mesh for each ray, and what makes the choice among them.
+// Triangles that a ray chooses among, and what makes the choice.
 const int kCandidates = 8;
-const uint kCandidateSeed = 0x1b56c4e9u;
+const uint kChoiceSeed = 0x1b56c4e9u;
 
 // Voxels above a lamp's surface where rays to it end: above the square root of 3, the farthest that
 // a voxel which touches the surface reaches. Lamps with an area are often voxels as well, and these
@@ -34,6 +34,8 @@ struct LampTriangle {
     vec3 u;  // to the others
     vec3 v;
     vec3 normal;        // unit length
+    vec3 middle;        // seen from the lamp's place
+    float squared;      // of a length: about the triangle's size
     float area_so_far;  // of this and all triangles before it, square voxels
 };
 OCTAVO_ARRAY(LampTriangles, LampTriangle)
@@ -151,10 +153,33 @@ OCTAVO_FN int triangle_at_area(PlacedLamp lamp, float area) {
     return low;
 }
 
-// A ray to a point of a mesh, chosen by area.
-OCTAVO_FN LampSample mesh_candidate(PlacedLamp lamp, SeenPlacedLamp seen, int i, uint seed) {
-    float area = lamp.area * sample_1d(uint(i), seed ^ kTriangleSeed);
-    LampTriangle triangle = lamp.triangles.at[triangle_at_area(lamp, area)];
+// A point of one triangle. Some triangles are drawn by their area, and one of these by its
+// distance: where a lamp is spread over the scene, say all lanterns of a street, most rays so go to
+// what is near. After Talbot, Cline and Egbert, "Importance Resampling for Global Illumination",
+// 2005.
+OCTAVO_FN LampSample mesh_sample(PlacedLamp lamp, SeenPlacedLamp seen, int i, uint seed) {
+    float place = sample_1d(uint(i), seed ^ kTriangleSeed);
+    float left = sample_1d(uint(i), seed ^ kChoiceSeed);
+    vec3 to_lamp = way_to(seen.start, lamp.cell, lamp.frac);
+    int chosen = 0;
+    float sum = 0.0f;
+    float weight = 1.0f;
+    for (int k = 0; k < kCandidates; k += 1) {
+        int at = triangle_at_area(lamp, lamp.area * ((place + float(k)) / float(kCandidates)));
+        vec3 way = to_lamp + lamp.triangles.at[at].middle;
+        float by_distance = 1.0f / (dot(way, way) + lamp.triangles.at[at].squared);
+        sum += by_distance;
+        // The random number is used up bit by bit: what is left of it is even in [0, 1) again.
+        float part = by_distance / sum;
+        if (left < part) {
+            chosen = at;
+            weight = by_distance;
+            left /= part;
+        } else {
+            left = (left - part) / (1.0f - part);
+        }
+    }
+    LampTriangle triangle = lamp.triangles.at[chosen];
     vec3 way = way_to(seen.start, triangle.cell, triangle.frac);
     vec3 normal = dot(way, triangle.normal) > 0.0f ? -triangle.normal : triangle.normal;
     LampPatch target;
@@ -165,32 +190,9 @@ OCTAVO_FN LampSample mesh_candidate(PlacedLamp lamp, SeenPlacedLamp seen, int i,
     target.t_end = 1.0f;
     LampSample result;
     result.ray = lamp_ray(seen.start, seen.face, target, i, seed);
-    result.light = area_light(result.ray.dir, seen.normal, normal, lamp.area);
+    result.light = sum / (float(kCandidates) * weight) *
+                   area_light(result.ray.dir, seen.normal, normal, lamp.area);
     return result;
-}
-
-// One of some candidates, by the light that they would bring; it stands for all of them. Where a
-// lamp is spread over the scene, say all lanterns of a street, most rays so go to what is near.
-// After Talbot, Cline and Egbert, "Importance Resampling for Global Illumination", 2005.
-OCTAVO_FN LampSample mesh_sample(PlacedLamp lamp, SeenPlacedLamp seen, int i, uint seed) {
-    int first = i * kCandidates;
-    LampSample chosen = mesh_candidate(lamp, seen, first, seed);
-    float sum = chosen.light;
-    float left = sample_1d(uint(i), seed ^ kCandidateSeed);
-    for (int k = 1; k < kCandidates; k += 1) {
-        LampSample next = mesh_candidate(lamp, seen, first + k, seed);
-        sum += next.light;
-        // The random number is used up bit by bit: what is left of it is even in [0, 1) again.
-        float part = sum > 0.0f ? next.light / sum : 0.0f;
-        if (left < part) {
-            chosen = next;
-            left /= part;
-        } else {
-            left = (left - part) / (1.0f - part);
-        }
-    }
-    chosen.light = sum / float(kCandidates);
-    return chosen;
 }
 
 // Ray i of the pixel with this seed. The mean over all i is the light that the lamp gives.

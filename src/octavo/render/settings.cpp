@@ -20,6 +20,7 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
+    if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
     for (const Light& light : o.lights.value_or(std::vector<Light>{}))
         if (!(light.size >= 0.0) || !std::isfinite(light.size))
             refuse("a light's size is negative or not finite");
@@ -49,7 +50,11 @@ RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& opt
     const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
     settings.ao_radius = static_cast<float>(radius / grid.voxel_size);
     settings.ao_stop.cone = static_cast<float>(options.ao_cone);
-    settings.primary_stop.cone = options.level_of_detail ? settings.rays.pixel_pitch() : 0.0f;
+    // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
+    settings.primary_stop.cone =
+        options.level_of_detail
+            ? settings.rays.pixel_pitch() / std::sqrt(static_cast<float>(options.samples))
+            : 0.0f;
     settings.primary_stop.time_before = settings.rays.t_before();
     return settings;
 }

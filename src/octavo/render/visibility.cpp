@@ -25,19 +25,6 @@ constexpr double kSlack = 1e-3;
 /// Farther than this from the grid a cell's number might leave 32 bits.
 constexpr double kFarthest = 1 << 29;
 
-/// The lifted point as the start of rays, grid space; none where it cannot be one.
-std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position,
-                                         const vec3& normal, double bias) {
-    const double length = glm::length(dvec3(normal));
-    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
-    const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
-    const dvec3 origin = grid.to_grid(position) + lift * dvec3(normal) / length;
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
-    const dvec3 cell = glm::floor(origin);
-    return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
-}
-
 }  // namespace
 
 void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, std::size_t shadow,
@@ -63,6 +50,18 @@ double visibility_bias(const dvec3& normal) {
     return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
 }
 
+std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& position,
+                                            const vec3& normal, double bias) {
+    const double length = glm::length(dvec3(normal));
+    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
+    const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
+    const dvec3 origin = grid.to_grid(position) + lift * dvec3(normal) / length;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
+    const dvec3 cell = glm::floor(origin);
+    return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
+}
+
 void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positions,
                 std::span<const vec3> normals, const VisibilityOptions& options,
                 std::span<float> shadow, std::span<float> ambient) {
@@ -80,7 +79,7 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
         for (std::size_t i = first; i < end; ++i) {
             sky_queue.begin_group();
             lamp_queue.begin_group();
-            const auto start = ray_start(grid, positions[i], normals[i], options.bias);
+            const auto start = lifted_start(grid, positions[i], normals[i], options.bias);
             if (!start) {
                 sky_queue.add_seen(static_cast<float>(options.ao_samples));
                 lamp_queue.add_seen(all_light[i - first] = 1.0f);
