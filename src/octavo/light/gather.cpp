@@ -59,7 +59,7 @@ void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
         const ivec2 some = share(rays_.lamp, part);
         const float scale = kPerPi / static_cast<float>(rays_.lamp);
         for (int i = some.x; i < some.y; ++i) {
-            const LampRay ray = seen.ray(i, seed ^ (kLampSeed + 0x9e3779b9u * n));
+            const shared::LampSample ray = seen.ray(i, seed ^ (kLampSeed + 0x9e3779b9u * n));
             if (!(ray.light > 0.0f)) continue;
             any_rays_.push_back(ray.ray);
             any_.push_back({lamp.light().intensity * (ray.light * scale), 0.0f,

@@ -72,7 +72,8 @@ Lamp::Lamp(const Light& light, const Grid& grid) : light_(light) {
 void Lamp::place_triangles(const Grid& grid) {
     Box box;
     for (const auto& corners : light_.triangles)
-        for (const dvec3& corner : corners) box.extend(grid.to_grid(corner));
+        for (const dvec3& corner : corners)
+            if (std::isfinite(glm::dot(corner, corner))) box.extend(grid.to_grid(corner));
     const dvec3 middle = box.empty() ? dvec3(0.0) : box.centre();
     split(middle, placed_.cell, placed_.frac);
     // Some bits more, for the rounding to float.
