@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "help.h"
 #include "interrupt.h"
+#include "octavo/backend/device.h"
 #include "octavo/construct/build.h"
 #include "octavo/construct/estimate.h"
 #include "octavo/core/memory.h"
@@ -36,6 +37,7 @@ struct BuildArguments {
     std::filesystem::path scratch;
     double journal_seconds = 5.0;
     BuildOptions options;
+    std::string device = "cpu";
     std::optional<dvec3> origin;
     std::optional<double> voxel_size;
     bool compress = false;
@@ -120,6 +122,7 @@ void run_build(BuildArguments& arguments) {
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
+    options.reduce = reducer_on(arguments.device);
     BuildTimes times;
     Stopwatch watch;
 
@@ -177,6 +180,11 @@ void add_build_command(CLI::App& program) {
             ->check(CLI::Validator(CLI::PositiveNumber).description(""));
     origin->needs(voxel_size);
     voxel_size->needs(origin);
+    command
+        .add_option("--device", arguments->device,
+                    "What reduces tiles to unique nodes: cpu (the default), cuda or cuda:N; the "
+                    "file is the same")
+        ->type_name("DEVICE");
     command.add_option("--threads", options.threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/backend/device.h"
 
+#include <algorithm>
 #include <charconv>
-#include <functional>
 #include <string_view>
 
 #include "octavo/backend/cpu/cpu_device.h"
@@ -10,6 +10,7 @@
 #include "octavo/core/error.h"
 #if OCTAVO_HAS_CUDA
 #include "octavo/backend/cuda/cuda_queue.h"
+#include "octavo/backend/cuda/reduce.h"
 #endif
 #if OCTAVO_HAS_VULKAN
 #include "octavo/backend/vulkan/vulkan_queue.h"
@@ -52,6 +53,32 @@ std::unique_ptr<Device> open_vulkan([[maybe_unused]] int index) {
 #else
     throw not_built("Vulkan");
 #endif
+}
+
+struct NamedDevice {
+    DeviceKind kind;
+    int index;  // -1: the best
+};
+
+Error no_such(const std::string& name, const char* known) {
+    return Error(Errc::bad_argument, "'" + name + "' is no device for this: say " + known +
+                                         "; see `octavo devices`");
+}
+
+/// "cuda", "vulkan:1"
+NamedDevice parse(const std::string& name, const char* known) {
+    const std::string_view text = name;
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    NamedDevice device{DeviceKind::cuda, -1};
+    if (text.substr(0, colon) == "vulkan")
+        device.kind = DeviceKind::vulkan;
+    else if (text.substr(0, colon) != "cuda")
+        throw no_such(name, known);
+    if (colon == text.size()) return device;
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, device.index);
+    if (error != std::errc() || rest != end || device.index < 0) throw no_such(name, known);
+    return device;
 }
 
 /// A driver that merely emulates a GPU is slower than what the CPU does by itself.
@@ -112,19 +139,20 @@ DeviceList list_devices() {
 std::unique_ptr<Device> open_device(const std::string& name) {
     if (name == "auto") return open_best();
     if (name == "cpu") return make_cpu_device();
-    const std::string_view text = name;
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    int index = -1;
-    if (colon < text.size()) {
-        const char* end = text.data() + text.size();
-        const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, index);
-        if (error != std::errc() || rest != end || index < 0) index = -2;
-    }
-    const std::string_view kind = text.substr(0, colon);
-    if (index >= -1 && kind == "cuda") return open_cuda(index);
-    if (index >= -1 && kind == "vulkan") return open_vulkan(index);
-    throw Error(Errc::bad_argument, "'" + name + "' is no device: say auto, cpu, cuda, vulkan, "
-                                                 "cuda:N or vulkan:N; see `octavo devices`");
+    const NamedDevice device = parse(name, "auto, cpu, cuda, vulkan, cuda:N or vulkan:N");
+    return device.kind == DeviceKind::cuda ? open_cuda(device.index) : open_vulkan(device.index);
+}
+
+ReduceFunction reducer_on(const std::string& name) {
+    if (name == "cpu") return {};
+    constexpr const char* kKnown = "cpu, cuda or cuda:N";
+    const NamedDevice device = parse(name, kKnown);
+    if (device.kind != DeviceKind::cuda) throw no_such(name, kKnown);
+#if OCTAVO_HAS_CUDA
+    return cuda::make_reducer(device.index);
+#else
+    throw not_built("CUDA");
+#endif
 }
 
 }  // namespace octavo

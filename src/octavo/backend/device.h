@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/construct/reduce.h"
 #include "octavo/core/grid.h"
 #include "octavo/dag/dag.h"
 #include "octavo/render/image.h"
@@ -94,5 +95,9 @@ public:
 /// @throws Error  bad_argument where the name is none of these; unsupported, saying why, where
 /// there is no such device
 [[nodiscard]] std::unique_ptr<Device> open_device(const std::string& name);
+
+/// What reduces a build's tiles (BuildOptions::reduce) on a device: "cpu", "cuda" or "cuda:1".
+/// @throws Error  as open_device()
+[[nodiscard]] ReduceFunction reducer_on(const std::string& name);
 
 }  // namespace octavo

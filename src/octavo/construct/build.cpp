@@ -61,6 +61,7 @@ BuildResult build(const Scene& scene, const BuildOptions& options) {
         result.dag = construct(
             source, depth,
             {.max_memory_bytes = options.max_memory_bytes,
+             .reduce = options.reduce,
              .progress = options.progress,
              .journal = options.journal,
              .journal_key =

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "octavo/construct/reduce.h"
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
@@ -22,6 +23,7 @@ struct BuildOptions {
     int threads = 0;                     // 0: all
     std::uint32_t tile = 0;              // voxels along a tile, a power of two; 0: chosen
     std::uint64_t max_memory_bytes = 0;  // for the whole process; 0: no cap
+    ReduceFunction reduce;               // of tiles, say cuda::make_reducer(); none: on the CPU
     ProgressFunction progress;
 
     /// A file that a long build keeps beside it: killed or stopped, the next build with the same

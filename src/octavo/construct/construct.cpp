@@ -28,14 +28,18 @@ struct TilePart {
     std::vector<CellNode> cells;
 };
 
-void voxelize_and_reduce(const VoxelSource& source, TilePart& part) {
+void voxelize_and_reduce(const VoxelSource& source, const ReduceFunction& reduce, TilePart& part) {
     source.voxelize(part.index, part.leaves);
     part.voxels = 0;
     for (const LeafBlock& leaf : part.leaves)
         part.voxels += static_cast<unsigned>(std::popcount(leaf.voxels));
     part.store.clear();
     part.empty = part.leaves.empty();
-    if (!part.empty) reduce_leaves(part.store, part.leaves, part.cells);
+    if (part.empty) return;
+    if (reduce)
+        reduce(part.store, part.leaves);
+    else
+        reduce_leaves(part.store, part.leaves, part.cells);
 }
 
 void check_memory(std::uint64_t cap) {
@@ -101,7 +105,7 @@ private:
             return part;
         };
         const auto work = [&](TilePart* part) {
-            voxelize_and_reduce(source_, *part);
+            voxelize_and_reduce(source_, options_.reduce, *part);
             return part;
         };
         const auto merge = [&](TilePart* part) { merge_tile(*part); };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "octavo/construct/reduce.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
 #include "octavo/voxelize/voxel_source.h"
@@ -13,6 +14,7 @@ namespace octavo {
 
 struct ConstructOptions {
     std::uint64_t max_memory_bytes = 0;  // resident, of the whole process; 0: no cap
+    ReduceFunction reduce;               // of tiles; none: reduce_leaves()
     ProgressFunction progress;           // phase "voxelize", in tiles
 
     /// Where to keep what is done from time to time, so that a build which is killed can go on; see

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "octavo/construct/node_store.h"
@@ -29,5 +30,9 @@ void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
 /// @param cells   scratch
 void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
                    std::vector<CellNode>& cells);
+
+/// Does what reduce_leaves() does, elsewhere: on a GPU. Called from many threads.
+using ReduceFunction =
+    std::function<void(NodeStore& store, const std::vector<LeafBlock>& leaves)>;
 
 }  // namespace octavo

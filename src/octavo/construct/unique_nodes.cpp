@@ -36,6 +36,15 @@ bool UniqueNodes::extend(std::span<const std::uint32_t> nodes) {
     return true;
 }
 
+void UniqueNodes::assign(std::span<const std::uint32_t> nodes) {
+    clear();
+    for (std::size_t i = 0; i < nodes.size(); ++count_) {
+        const int size = size_of(&nodes[i]);
+        words_.append(&nodes[i], size);
+        i += static_cast<unsigned>(size);
+    }
+}
+
 void UniqueNodes::prefetch_slot(std::uint64_t hash) const {
     if (!slots_.empty()) __builtin_prefetch(&slots_[home(hash)], 1);
 }

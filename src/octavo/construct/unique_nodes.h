@@ -39,6 +39,10 @@ public:
     /// added.
     [[nodiscard]] bool extend(std::span<const std::uint32_t> nodes);
 
+    /// Takes nodes that stand one after the other, all different, in place of those that it has.
+    /// They are there to be read; before more are added, clear().
+    void assign(std::span<const std::uint32_t> nodes);
+
     [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
         std::uint64_t h = mix(node[0] | std::uint64_t{node[1]} << 32);
         if (kind_ == Kind::leaves) return h;

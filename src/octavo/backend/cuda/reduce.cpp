@@ -104,8 +104,9 @@ private:
 ReduceFunction make_reducer(int device) {
     (void)open_queue(device);  // says what is wrong with the device, before a stream is made
     auto reducer = std::make_shared<Reducer>(device);
-    return [reducer](NodeStore& store, const std::vector<LeafBlock>& leaves,
-                     std::vector<CellNode>&) { reducer->reduce(store, leaves); };
+    return [reducer](NodeStore& store, const std::vector<LeafBlock>& leaves) {
+        reducer->reduce(store, leaves);
+    };
 }
 
 }  // namespace octavo::cuda
