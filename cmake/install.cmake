@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS octavo octavo_compile_options EXPORT octavo_targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY src/octavo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY src/octavo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING
+        PATTERN "*.h" PATTERN "*.glsl" PATTERN "*.comp")
 install(FILES ${PROJECT_BINARY_DIR}/generated/octavo/core/version.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/octavo/core)
 if(OCTAVO_BUILD_APPS)

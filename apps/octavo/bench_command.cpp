@@ -17,6 +17,7 @@
 #include "bench_rays.h"
 #include "commands.h"
 #include "help.h"
+#include "octavo/backend/device.h"
 #include "octavo/core/parallel.h"
 #include "octavo/core/version.h"
 #include "octavo/io/octv.h"
@@ -51,6 +52,7 @@ struct BenchArguments {
     int frames = 32;
     int size = 1024;
     int threads = 0;
+    std::string device;  // empty: none
     bool json = false;
 };
 
@@ -79,6 +81,7 @@ struct Row {
     std::string name;
     std::vector<double> one;     // the shared text, a ray at a time
     std::vector<double> voxels;  // the vector walk
+    std::vector<double> device;  // a device's, without beams and copies
     std::vector<double> embree1;
     std::vector<double> embree16;
     std::vector<double> ratio;  // of the vector walk to the better of Embree's
@@ -100,8 +103,11 @@ struct Cone {
 /// One frame's rays, traced by everything in turn.
 class Race {
 public:
-    Race(const Model& model, const TriangleTracer* triangles)
-        : model_(model), view_(shared::view(model.dag)), triangles_(triangles) {}
+    /// @param device  also races; or null
+    Race(const Model& model, const TriangleTracer* triangles, Device* device)
+        : model_(model), view_(shared::view(model.dag)), triangles_(triangles),
+          device_(device),
+          device_dag_(device != nullptr ? device->upload(model.dag) : nullptr) {}
 
     void primary(Row& row, const RaySet& set, const PixelRays& pixels, int size) {
         std::vector<shared::GridHit> hits(set.size());
@@ -120,6 +126,11 @@ public:
         });
         voxel_hits_ = hits;
         count(row, set, one, wide);
+        if (device_ != nullptr) {
+            std::vector<shared::GridHit> found(set.size());
+            count_device(row, set, device_->trace_closest(*device_dag_, set.voxel_rays,
+                                                          {0, 0.0f, 0.0f}, found));
+        }
         for (const shared::GridHit& hit : hits) row.hits += hit.face != shared::kFaceNone;
         if (triangles_ == nullptr) return;
         triangle_hits_.resize(set.size());
@@ -151,6 +162,11 @@ public:
                            {0, 0.0f, 0.0f}, std::span(wide_any).subspan(first, count));
         });
         count(row, set, one, wide);
+        if (device_ != nullptr) {
+            std::vector<std::uint32_t> occluded(set.size());
+            count_device(row, set, device_->trace_any(*device_dag_, set.voxel_rays,
+                                                      {0, 0.0f, 0.0f}, occluded));
+        }
         for (const std::uint8_t hit : wide_any) row.hits += hit;
         if (triangles_ == nullptr) return;
         const auto embree = [&](TriangleTracer::Width width) {
@@ -231,6 +247,9 @@ private:
         row.voxels.push_back(millions / wide);
         row.rays += set.size();
     }
+    static void count_device(Row& row, const RaySet& set, double seconds) {
+        row.device.push_back(1e-6 * static_cast<double>(set.size()) / seconds);
+    }
     static void compare(Row& row, const RaySet& set, double wide, double embree1, double embree16) {
         const double millions = 1e-6 * static_cast<double>(set.size());
         row.embree1.push_back(millions / embree1);
@@ -241,6 +260,8 @@ private:
     const Model& model_;
     shared::DagView view_;
     const TriangleTracer* triangles_;
+    Device* device_;
+    std::unique_ptr<DeviceDag> device_dag_;
     std::vector<shared::GridHit> voxel_hits_;
     std::vector<TriangleHit> triangle_hits_;
 };
@@ -250,7 +271,8 @@ struct Figures {
     std::vector<Cone> cones;
 };
 
-Figures fly(const Model& model, const TriangleTracer* triangles, int frames, int size) {
+Figures fly(const Model& model, const TriangleTracer* triangles, Device* device, int frames,
+            int size) {
     Figures figures{std::vector<Row>(4), {{1.0}, {3.0}, {9.0}}};
     std::vector<Row>& rows = figures.rows;
     rows[0].name = "primary";
@@ -262,7 +284,7 @@ Figures fly(const Model& model, const TriangleTracer* triangles, int frames, int
     const Camera start = model.metadata.cameras.empty() ? default_camera(content, up, 1.0)
                                                         : model.metadata.cameras.front();
     const dvec3 to_sun = -default_sun(start, up).direction;
-    Race race(model, triangles);
+    Race race(model, triangles, device);
     for (int frame = 0; frame < frames; ++frame) {
         const Camera camera = flight_camera(start, content, up, frame, frames);
         const RaySet primary = primary_rays(camera, model.grid(), size);
@@ -280,9 +302,10 @@ Figures fly(const Model& model, const TriangleTracer* triangles, int frames, int
     return figures;
 }
 
-std::string table(const std::vector<Row>& rows, bool mesh) {
+std::string table(const std::vector<Row>& rows, bool mesh, bool device) {
     std::string text = fmt::format("{:12} {:>12} {:>8} {:>11} {:>11}", "MRays/s", "rays", "hit",
                                    "one by one", "voxels");
+    if (device) text += fmt::format(" {:>9}", "device");
     if (mesh)
         text += fmt::format(" {:>9} {:>9} {:>8} {:>8}", "Embree 1", "Embree 16", "ratio", "agree");
     text += "\n";
@@ -291,6 +314,7 @@ std::string table(const std::vector<Row>& rows, bool mesh) {
         text +=
             fmt::format("{:12} {:>12} {:>6.1f} % {:>11.2f} {:>11.2f}", row.name, grouped(row.rays),
                         share * static_cast<double>(row.hits), median(row.one), median(row.voxels));
+        if (device) text += fmt::format(" {:>9.2f}", median(row.device));
         if (mesh)
             text += fmt::format(" {:>9.2f} {:>9.2f} {:>8.2f} {:>6.2f} %", median(row.embree1),
                                 median(row.embree16), median(row.ratio),
@@ -318,6 +342,7 @@ Json json(const Figures& figures, const BenchArguments& arguments, int threads) 
     out["file"] = arguments.file.filename().string();
     out["threads"] = threads;
     out["simd"] = simd_targets().front();
+    if (!arguments.device.empty()) out["device"] = arguments.device;
     out["frames"] = arguments.frames;
     out["size"] = arguments.size;
     for (const Row& row : figures.rows) {
@@ -327,6 +352,7 @@ Json json(const Figures& figures, const BenchArguments& arguments, int threads) 
         r["agreed"] = row.agreed;
         r["median"] = {{"one_by_one", median(row.one)},
                        {"voxels", median(row.voxels)},
+                       {"device", median(row.device)},
                        {"embree1", median(row.embree1)},
                        {"embree16", median(row.embree16)},
                        {"voxels_per_embree", median(row.ratio)}};
@@ -354,9 +380,11 @@ void run_trace(const BenchArguments& arguments) {
     if (!arguments.mesh.empty())
         triangles = std::make_unique<TriangleTracer>(read_scene(arguments.mesh));
     const int threads = arguments.threads > 0 ? arguments.threads : available_threads();
+    const std::unique_ptr<Device> device =
+        arguments.device.empty() ? nullptr : open_device(arguments.device);
     Figures figures;
     with_threads(threads,
-                 [&] { figures = fly(model, triangles.get(), arguments.frames, arguments.size); });
+                 [&] { figures = fly(model, triangles.get(), device.get(), arguments.frames, arguments.size); });
     if (arguments.json) {
         print(json(figures, arguments, threads).dump(2) + "\n");
         return;
@@ -364,7 +392,7 @@ void run_trace(const BenchArguments& arguments) {
     print(fmt::format("{} frames of {} x {}, {} threads, {}; medians of the frames\n",
                       arguments.frames, arguments.size, arguments.size, threads,
                       simd_targets().front()) +
-          table(figures.rows, triangles != nullptr) + cone_table(figures.cones));
+          table(figures.rows, triangles != nullptr, device != nullptr) + cone_table(figures.cones));
 }
 
 }  // namespace
@@ -389,6 +417,11 @@ void add_bench_command(CLI::App& program) {
     trace.add_option("--size", arguments->size, "Pixels along a picture's side; 1024")
         ->type_name("N")
         ->check(within(8, 16384));
+    trace
+        .add_option("--device", arguments->device,
+                    "Also time the same rays on a device, see `octavo devices`: without beams, and "
+                    "without copies to and from it")
+        ->type_name("DEVICE");
     trace.add_option("--threads", arguments->threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));

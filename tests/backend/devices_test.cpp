@@ -120,7 +120,7 @@ TEST_P(RaysSlow, MillionMeetTheSameVoxels) {
         compare(device(), dag, all_kinds(dag, 70 + static_cast<std::uint32_t>(depth), 250000),
                 kToVoxels, comparison);
     }
-    const Dag courtyard = build(make_sample("courtyard"), {.depth = 10}).dag;
+    const Dag courtyard = test::build_at(make_sample("courtyard"), 10).dag;
     compare(device(), courtyard, all_kinds(courtyard, 5, 250000), kToVoxels, comparison);
     comparison.print(GetParam(), "a million rays");
     EXPECT_LE(comparison.ties, comparison.rays / 1000);

@@ -78,7 +78,12 @@ private:
         }
     }
 
-    DeviceInfo info_{.kind = DeviceKind::cuda, .index = 0, .name = "host", .type = "CPU"};
+    DeviceInfo info_ = [] {
+        DeviceInfo info;
+        info.name = "host";
+        info.type = "CPU";
+        return info;
+    }();
 };
 
 }  // namespace octavo::test

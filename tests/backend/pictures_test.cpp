@@ -3,6 +3,7 @@
 // Pictures and visibility on every device against those of the CPU.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -19,7 +20,7 @@ class GBuffer : public test::OnDevice {};
 INSTANTIATE_TEST_SUITE_P(All, GBuffer, test::kTestDevices, test::device_name);
 
 const BuildResult& courtyard() {
-    static const BuildResult result = build(make_sample("courtyard"), {.depth = 9});
+    static const BuildResult result = test::build_at(make_sample("courtyard"), 9);
     return result;
 }
 
@@ -41,10 +42,12 @@ void expect_same(Device& device, const RenderOptions& options, const std::string
     const auto uploaded = device.upload(scene.dag);
     const Image found = device.render(*uploaded, scene.grid, options);
     ASSERT_EQ(found.color.size(), expected.color.size());
+    std::size_t seen = 0;       // pixels with a voxel
     std::size_t primary = 0;    // another voxel
     std::size_t secondary = 0;  // the same voxel, another number of rays that met something
     float largest = 0.0f;
     for (std::size_t i = 0; i < expected.color.size(); ++i) {
+        seen += std::isfinite(expected.depth[i]);
         const bool same_depth = found.depth[i] == expected.depth[i];
         const vec3 off = glm::abs(found.color[i] - expected.color[i]);
         const float worst = std::max({off.x, off.y, off.z});
@@ -57,6 +60,7 @@ void expect_same(Device& device, const RenderOptions& options, const std::string
     std::printf("%s: %s: %zu pixels, %zu of another voxel, %zu of other secondary rays, at most %.4f\n",
                 device.info().name.c_str(), what.c_str(), expected.color.size(), primary, secondary,
                 static_cast<double>(largest));
+    if (what != "away") EXPECT_GT(seen, expected.color.size() / 20) << what;
     EXPECT_LE(primary, expected.color.size() / 1000) << what;
     EXPECT_LE(secondary, expected.color.size() / 100) << what;
 }
@@ -157,6 +161,8 @@ TEST_P(GBuffer, IsGivenTheVisibilityOfTheCpu) {
     }
     std::printf("%s: G-buffer: %zu points, %zu differ, mean by %.5f\n", GetParam(), sky.size(),
                 different, off / static_cast<double>(sky.size()));
+    EXPECT_GT(std::ranges::count(expected_shadow, 0.0f), 100);
+    EXPECT_GT(std::ranges::count(expected_shadow, 1.0f), 100);
     EXPECT_LT(different, sky.size() / 20);
     EXPECT_LT(off / static_cast<double>(sky.size()), 0.002);
     for (std::size_t i = sky.size() - 2; i < sky.size(); ++i) {

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "backend/test_devices.h"
 #include "octavo/backend/cuda/reduce_steps.h"
 #include "octavo/backend/device.h"
 #include "octavo/construct/build.h"
@@ -107,8 +108,10 @@ TEST(ReduceOnGpu, EqualHashesOfDifferentNodesDoNoHarm) {
 
 TEST(ReduceOnGpu, BuildsTheSameBytes) {
     const Scene scene = make_sample("courtyard");
-    const Dag expected = build(scene, {.depth = 9}).dag;
-    BuildOptions options{.depth = 9, .tile = 64};
+    const Dag expected = test::build_at(scene, 9).dag;
+    BuildOptions options;
+    options.depth = 9;
+    options.tile = 64;
     options.reduce = [](NodeStore& store, const std::vector<LeafBlock>& leaves) {
         reduce_in_steps(store, leaves, 64);
     };
@@ -116,7 +119,8 @@ TEST(ReduceOnGpu, BuildsTheSameBytes) {
 }
 
 TEST(ReduceOnGpu, BuildsTheSameBytesOnTheDevice) {
-    BuildOptions options{.depth = 11};
+    BuildOptions options;
+    options.depth = 11;
     try {
         options.reduce = reducer_on("cuda");
     } catch (const Error& error) {
@@ -124,7 +128,7 @@ TEST(ReduceOnGpu, BuildsTheSameBytesOnTheDevice) {
     }
     const Scene scene = make_sample("courtyard");
     EXPECT_TRUE(std::ranges::equal(build(scene, options).dag.words(),
-                                   build(scene, {.depth = 11}).dag.words()));
+                                   test::build_at(scene, 11).dag.words()));
 }
 
 }  // namespace

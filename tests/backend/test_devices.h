@@ -9,12 +9,19 @@
 
 #include "backend/host_queue.h"
 #include "octavo/backend/gpu_device.h"
+#include "octavo/construct/build.h"
 #include "octavo/core/error.h"
 #if OCTAVO_HAS_VULKAN
 #include "octavo/backend/vulkan/vulkan_queue.h"
 #endif
 
 namespace octavo::test {
+
+inline BuildResult build_at(const Scene& scene, int depth) {
+    BuildOptions options;
+    options.depth = depth;
+    return build(scene, options);
+}
 
 /// A device under test. Those that are missing say why: the test is skipped.
 struct TestDevice {

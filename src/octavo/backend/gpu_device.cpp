@@ -97,6 +97,9 @@ public:
     [[nodiscard]] Image render(const DeviceDag& dag, const Grid& grid,
                                const RenderOptions& options) override {
         const auto& gpu_dag = static_cast<const GpuDag&>(dag);
+        if (options.primary)
+            throw Error(Errc::unsupported,
+                        "primary hits from the caller are for the CPU; give a GPU a G-buffer");
         const RenderSettings settings = settle(gpu_dag.host, grid, options);
         Image image(options.width, options.height);
         const int columns = (options.width + kTile - 1) / kTile;
