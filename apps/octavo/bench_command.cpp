@@ -105,7 +105,9 @@ class Race {
 public:
     /// @param device  also races; or null
     Race(const Model& model, const TriangleTracer* triangles, Device* device)
-        : model_(model), view_(shared::view(model.dag)), triangles_(triangles),
+        : model_(model),
+          view_(shared::view(model.dag)),
+          triangles_(triangles),
           device_(device),
           device_dag_(device != nullptr ? device->upload(model.dag) : nullptr) {}
 
@@ -128,8 +130,9 @@ public:
         count(row, set, one, wide);
         if (device_ != nullptr) {
             std::vector<shared::GridHit> found(set.size());
-            count_device(row, set, device_->trace_closest(*device_dag_, set.voxel_rays,
-                                                          {0, 0.0f, 0.0f}, found));
+            count_device(
+                row, set,
+                device_->trace_closest(*device_dag_, set.voxel_rays, {0, 0.0f, 0.0f}, found));
         }
         for (const shared::GridHit& hit : hits) row.hits += hit.face != shared::kFaceNone;
         if (triangles_ == nullptr) return;
@@ -164,8 +167,9 @@ public:
         count(row, set, one, wide);
         if (device_ != nullptr) {
             std::vector<std::uint32_t> occluded(set.size());
-            count_device(row, set, device_->trace_any(*device_dag_, set.voxel_rays,
-                                                      {0, 0.0f, 0.0f}, occluded));
+            count_device(
+                row, set,
+                device_->trace_any(*device_dag_, set.voxel_rays, {0, 0.0f, 0.0f}, occluded));
         }
         for (const std::uint8_t hit : wide_any) row.hits += hit;
         if (triangles_ == nullptr) return;
@@ -350,12 +354,10 @@ Json json(const Figures& figures, const BenchArguments& arguments, int threads) 
         r["rays"] = row.rays;
         r["hits"] = row.hits;
         r["agreed"] = row.agreed;
-        r["median"] = {{"one_by_one", median(row.one)},
-                       {"voxels", median(row.voxels)},
-                       {"device", median(row.device)},
-                       {"embree1", median(row.embree1)},
-                       {"embree16", median(row.embree16)},
-                       {"voxels_per_embree", median(row.ratio)}};
+        r["median"] = {
+            {"one_by_one", median(row.one)},    {"voxels", median(row.voxels)},
+            {"device", median(row.device)},     {"embree1", median(row.embree1)},
+            {"embree16", median(row.embree16)}, {"voxels_per_embree", median(row.ratio)}};
         r["frames"] = {{"one_by_one", row.one},
                        {"voxels", row.voxels},
                        {"embree1", row.embree1},
@@ -383,8 +385,9 @@ void run_trace(const BenchArguments& arguments) {
     const std::unique_ptr<Device> device =
         arguments.device.empty() ? nullptr : open_device(arguments.device);
     Figures figures;
-    with_threads(threads,
-                 [&] { figures = fly(model, triangles.get(), device.get(), arguments.frames, arguments.size); });
+    with_threads(threads, [&] {
+        figures = fly(model, triangles.get(), device.get(), arguments.frames, arguments.size);
+    });
     if (arguments.json) {
         print(json(figures, arguments, threads).dump(2) + "\n");
         return;

@@ -87,7 +87,8 @@ struct Constants {
 void run(const Engine& e, const std::array<Buffer, 3>& buffers, const Constants& constants) {
     std::array<VkDescriptorSetLayoutBinding, 3> bindings{};
     for (std::uint32_t i = 0; i < 3; ++i)
-        bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+        bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT,
+                       nullptr};
     VkDescriptorSetLayoutCreateInfo set_info{
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set_info.bindingCount = 3;
@@ -105,7 +106,8 @@ void run(const Engine& e, const std::array<Buffer, 3>& buffers, const Constants&
     VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module_info.codeSize = sizeof(kShader);
     module_info.pCode = kShader;
-    VkComputePipelineCreateInfo pipeline_info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    VkComputePipelineCreateInfo pipeline_info{.sType =
+                                                  VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     pipeline_info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     pipeline_info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     check(vkCreateShaderModule(e.device, &module_info, nullptr, &pipeline_info.stage.module));
@@ -141,7 +143,8 @@ void run(const Engine& e, const std::array<Buffer, 3>& buffers, const Constants&
     VkCommandPoolCreateInfo commands_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     VkCommandPool command_pool;
     check(vkCreateCommandPool(e.device, &commands_info, nullptr, &command_pool));
-    VkCommandBufferAllocateInfo buffer_info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    VkCommandBufferAllocateInfo buffer_info{.sType =
+                                                VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     buffer_info.commandPool = command_pool;
     buffer_info.commandBufferCount = 1;
     VkCommandBuffer commands;
@@ -149,7 +152,8 @@ void run(const Engine& e, const std::array<Buffer, 3>& buffers, const Constants&
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     check(vkBeginCommandBuffer(commands, &begin));
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0,
+                            nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(Constants),
                        &constants);
     vkCmdDispatch(commands, (constants.points + 63) / 64, 1, 1);
@@ -164,8 +168,7 @@ void run(const Engine& e, const std::array<Buffer, 3>& buffers, const Constants&
 }  // namespace
 
 int main() try {
-    const octavo::BuildResult model =
-        octavo::build(octavo::make_sample("courtyard"), {.depth = 9});
+    const octavo::BuildResult model = octavo::build(octavo::make_sample("courtyard"), {.depth = 9});
     const auto words = model.dag.words();
 
     const Engine engine;  // its objects live as long as the program
@@ -176,7 +179,8 @@ int main() try {
     auto* points = static_cast<octavo::vec4*>(buffers[1].mapped);
     const float resolution = static_cast<float>(model.grid.resolution());
     for (std::uint32_t i = 0; i < kSide * kSide; ++i)
-        points[i] = {resolution * (static_cast<float>(i % kSide) + 0.5f) / kSide, resolution * 0.05f,
+        points[i] = {resolution * (static_cast<float>(i % kSide) + 0.5f) / kSide,
+                     resolution * 0.05f,
                      resolution * (static_cast<float>(i / kSide) + 0.5f) / kSide, 0.0f};
     run(engine, buffers, {{0.5f, 0.8f, 0.3f, 0.0f}, model.dag.depth(), kSide * kSide});
 

@@ -59,3 +59,6 @@
 #include "octavo/render/image.h"       // Image; write_png, write_exr
 #include "octavo/render/render.h"      // render: camera, sun, shadow, ambient occlusion
 #include "octavo/render/visibility.h"  // shadow and ambient occlusion for a rasteriser's G-buffer
+
+// The same on GPUs.
+#include "octavo/backend/device.h"  // list_devices, open_device

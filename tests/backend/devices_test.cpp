@@ -64,7 +64,8 @@ struct Comparison {
         ++ties;
     }
     void print(const char* device, const std::string& what) const {
-        std::printf("%s: %s: %zu rays, %zu hits, %zu ties\n", device, what.c_str(), rays, hits, ties);
+        std::printf("%s: %s: %zu rays, %zu hits, %zu ties\n", device, what.c_str(), rays, hits,
+                    ties);
     }
 };
 
@@ -85,8 +86,8 @@ void compare(Device& device, const Dag& dag, const std::vector<s::GridRay>& rays
 TEST_P(Rays, MeetTheSameVoxelsInRandomDags) {
     Comparison comparison;
     for (const int depth : {2, 3, 5, 9, 13, 17})
-        for (const Dag& dag : {test::dust(depth, 0.5, 4),
-                               test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)})
+        for (const Dag& dag :
+             {test::dust(depth, 0.5, 4), test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)})
             compare(device(), dag, all_kinds(dag, static_cast<std::uint32_t>(depth), 4000),
                     kToVoxels, comparison);
     comparison.print(GetParam(), "random DAGs");
@@ -149,8 +150,7 @@ TEST(Devices, RefusesNamesThatAreNone) {
 }
 
 TEST(Devices, SaysClearlyThatThereIsNoSuchDevice) {
-    for (const char* name : {"vulkan:77", "cuda:77"})
-        try {
+    for (const char* name : {"vulkan:77", "cuda:77"}) try {
             (void)open_device(name);
             ADD_FAILURE() << name;
         } catch (const Error& error) {

@@ -57,10 +57,13 @@ void expect_same(Device& device, const RenderOptions& options, const std::string
             ++secondary;
         if (same_depth) largest = std::max(largest, worst);
     }
-    std::printf("%s: %s: %zu pixels, %zu of another voxel, %zu of other secondary rays, at most %.4f\n",
-                device.info().name.c_str(), what.c_str(), expected.color.size(), primary, secondary,
-                static_cast<double>(largest));
-    if (what != "away") EXPECT_GT(seen, expected.color.size() / 20) << what;
+    std::printf(
+        "%s: %s: %zu pixels, %zu of another voxel, %zu of other secondary rays, at most %.4f\n",
+        device.info().name.c_str(), what.c_str(), expected.color.size(), primary, secondary,
+        static_cast<double>(largest));
+    if (what != "away") {
+        EXPECT_GT(seen, expected.color.size() / 20) << what;
+    }
     EXPECT_LE(primary, expected.color.size() / 1000) << what;
     EXPECT_LE(secondary, expected.color.size() / 100) << what;
 }
@@ -114,12 +117,11 @@ TEST_P(Pictures, FromFarAwayAreThoseOfTheCpu) {
     const Box bounds = courtyard().grid.bounds();
     RenderOptions options = small_picture();
     const dvec3 way = glm::normalize(dvec3(1.0, 0.7, 0.4));
-    options.camera =
-        look_at(bounds.centre() + 1e5 * glm::length(bounds.size()) * way, bounds.centre(),
-                {0, 1, 0}, 1.2e-5);
+    options.camera = look_at(bounds.centre() + 1e5 * glm::length(bounds.size()) * way,
+                             bounds.centre(), {0, 1, 0}, 1.2e-5);
     expect_same(device(), options, "far");
-    options.camera = look_at(bounds.centre() + 1e12 * way, bounds.centre() + 2e12 * way, {0, 1, 0},
-                             0.5);
+    options.camera =
+        look_at(bounds.centre() + 1e12 * way, bounds.centre() + 2e12 * way, {0, 1, 0}, 0.5);
     expect_same(device(), options, "away");
 }
 

@@ -29,9 +29,12 @@ TEST(FreeList, GivesPartsThatDoNotOverlapAndTakesThemAllBack) {
             ASSERT_EQ(*offset % 256, 0u);
             ASSERT_LE(*offset + bytes, list.size());
             const auto next = taken.lower_bound(*offset);
-            if (next != taken.end()) ASSERT_LE(*offset + bytes, next->first);
-            if (next != taken.begin())
+            if (next != taken.end()) {
+                ASSERT_LE(*offset + bytes, next->first);
+            }
+            if (next != taken.begin()) {
                 ASSERT_LE(std::prev(next)->first + std::prev(next)->second, *offset);
+            }
             taken[*offset] = bytes;
         } else {
             const auto some = std::next(taken.begin(), static_cast<long>(random() % taken.size()));

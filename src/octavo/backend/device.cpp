@@ -61,8 +61,8 @@ struct NamedDevice {
 };
 
 Error no_such(const std::string& name, const char* known) {
-    return Error(Errc::bad_argument, "'" + name + "' is no device for this: say " + known +
-                                         "; see `octavo devices`");
+    return Error(Errc::bad_argument,
+                 "'" + name + "' is no device for this: say " + known + "; see `octavo devices`");
 }
 
 /// "cuda", "vulkan:1"

@@ -27,13 +27,13 @@ enum class DeviceKind { cpu, cuda, vulkan };
 
 struct DeviceInfo {
     DeviceKind kind = DeviceKind::cpu;
-    int index = 0;           // among the devices of its kind
-    std::string name;        // as its driver tells it
-    std::string type;        // "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
-    std::string driver;      // its name and version
+    int index = 0;       // among the devices of its kind
+    std::string name;    // as its driver tells it
+    std::string type;    // "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
+    std::string driver;  // its name and version
     std::uint64_t memory_bytes = 0;
     std::vector<std::pair<std::string, std::uint64_t>> limits;
-    std::string unusable;    // why it cannot be opened; empty where it can
+    std::string unusable;  // why it cannot be opened; empty where it can
 
     /// "vulkan:0"
     [[nodiscard]] std::string id() const;
@@ -67,14 +67,14 @@ public:
     /// Copies a DAG to the device; on the CPU the words are shared.
     [[nodiscard]] virtual std::unique_ptr<DeviceDag> upload(const Dag& dag) = 0;
 
-    /// Traces rays in grid space, see trace/traverse.h. `hits` and `occluded` are as long as `rays`;
-    /// occluded is 1 where the ray hits something, else 0.
+    /// Traces rays in grid space, see trace/traverse.h. `hits` and `occluded` are as long as
+    /// `rays`; occluded is 1 where the ray hits something, else 0.
     ///
     /// @return  seconds that the tracing took, without copies to and from the device
     virtual double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                               const shared::Stop& stop, std::span<shared::GridHit> hits) = 0;
+                                 const shared::Stop& stop, std::span<shared::GridHit> hits) = 0;
     virtual double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                               const shared::Stop& stop, std::span<std::uint32_t> occluded) = 0;
+                             const shared::Stop& stop, std::span<std::uint32_t> occluded) = 0;
 
     /// The picture of octavo::render(): the same voxels in every pixel, but for rays that graze one
     /// within rounding; colours within rounding.
@@ -83,10 +83,9 @@ public:
 
     /// octavo::visibility() for a G-buffer in host memory, positions in float. For one that is on
     /// the device already, see backend/cuda/effects.h and docs/embedding.md.
-    virtual void visibility(const DeviceDag& dag, const Grid& grid,
-                            std::span<const vec3> positions, std::span<const vec3> normals,
-                            const VisibilityOptions& options, std::span<float> shadow,
-                            std::span<float> ambient) = 0;
+    virtual void visibility(const DeviceDag& dag, const Grid& grid, std::span<const vec3> positions,
+                            std::span<const vec3> normals, const VisibilityOptions& options,
+                            std::span<float> shadow, std::span<float> ambient) = 0;
 };
 
 /// Opens a device by name: "cpu"; "cuda" or "vulkan", the best of its kind; "vulkan:1", one by its

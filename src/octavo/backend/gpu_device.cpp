@@ -27,7 +27,9 @@ constexpr int kTilesAtOnce = 8192;
 class GpuDag final : public DeviceDag {
 public:
     GpuDag(PassQueue& queue, const Dag& dag)
-        : host(dag), view(queue.upload(dag.words(), dag.empty() ? 0 : dag.depth())), queue_(queue) {}
+        : host(dag),
+          view(queue.upload(dag.words(), dag.empty() ? 0 : dag.depth())),
+          queue_(queue) {}
     ~GpuDag() override { queue_.release(view); }
 
     Dag host;
@@ -80,14 +82,15 @@ public:
     }
 
     double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                       const shared::Stop& stop, std::span<shared::GridHit> hits) override {
-        return trace(Pass::closest, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
-            const std::size_t some = std::min<std::size_t>(kRaysAtOnce, rays.size() - first);
-            read(job.hits.at, hits.subspan(first, some));
-        });
+                         const shared::Stop& stop, std::span<shared::GridHit> hits) override {
+        return trace(
+            Pass::closest, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
+                const std::size_t some = std::min<std::size_t>(kRaysAtOnce, rays.size() - first);
+                read(job.hits.at, hits.subspan(first, some));
+            });
     }
     double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                   const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
+                     const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
         return trace(Pass::any, dag, rays, stop, [&](std::size_t first, const shared::RayJob& job) {
             const std::size_t some = std::min<std::size_t>(kRaysAtOnce, rays.size() - first);
             read(job.occluded.at, occluded.subspan(first, some));
@@ -126,10 +129,10 @@ public:
             job.first_tile = first;
             draw_band(band, options, lamps, static_cast<std::uint64_t>(some));
             copy_band(band, some, grid, options, image);
-            report(options.progress,
-                   {"render", static_cast<std::uint64_t>(first + some) * image.color.size() /
-                                  static_cast<std::uint64_t>(tiles),
-                    image.color.size()});
+            report(options.progress, {"render",
+                                      static_cast<std::uint64_t>(first + some) *
+                                          image.color.size() / static_cast<std::uint64_t>(tiles),
+                                      image.color.size()});
         }
         return image;
     }
@@ -164,7 +167,7 @@ private:
 
     template <typename Take>
     double trace(Pass pass, const DeviceDag& dag, std::span<const shared::GridRay> rays,
-               const shared::Stop& stop, const Take& take) {
+                 const shared::Stop& stop, const Take& take) {
         const std::uint64_t most = std::min<std::uint64_t>(kRaysAtOnce, rays.size());
         const DeviceArray<shared::RayArray> on_device(*queue_, most);
         const DeviceArray<shared::HitArray> hits(*queue_, pass == Pass::closest ? most : 0);
@@ -194,8 +197,8 @@ private:
         job.hard = shadows == Shadows::soft ? 0 : 1;
     }
 
-    void draw_band(Band& band, const RenderOptions& options,
-                   const std::vector<GpuLamp>& lamps, std::uint64_t tiles) {
+    void draw_band(Band& band, const RenderOptions& options, const std::vector<GpuLamp>& lamps,
+                   std::uint64_t tiles) {
         shared::PixelJob& job = band.job;
         const std::uint64_t pixels = tiles * kTilePixels;
         if (job.beams != 0) queue_->run(Pass::beam, job, tiles);

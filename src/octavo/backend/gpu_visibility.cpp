@@ -42,8 +42,7 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
         const std::uint64_t some = std::min(most, gbuffer.points - first);
         const auto offset = static_cast<std::ptrdiff_t>(first);
         job.first_point = static_cast<std::uint32_t>(first);
-        job.positions.at =
-            const_cast<float*>(gbuffer.positions) + offset * gbuffer.position_stride;
+        job.positions.at = const_cast<float*>(gbuffer.positions) + offset * gbuffer.position_stride;
         job.normals.at = const_cast<float*>(gbuffer.normals) + offset * gbuffer.normal_stride;
         queue.run(Pass::gbuffer, job, some);
         if (ambient != nullptr && options.ao_samples > 0) {

@@ -40,14 +40,14 @@ OCTAVO_FN void any_pass(RayJob job, uint i) {
 // i % 64 of tile first_tile + i / 64.
 struct PixelJob {
     DagView dag;
-    FloatArray starts;    // by tile: before this time its rays meet nothing
-    HitArray hits;        // primary
-    FloatArray depths;    // of sample 0, voxels
-    PointArray points;    // where secondary rays start
-    UintArray sky_seen;   // ambient rays so far that met nothing
+    FloatArray starts;     // by tile: before this time its rays meet nothing
+    HitArray hits;         // primary
+    FloatArray depths;     // of sample 0, voxels
+    PointArray points;     // where secondary rays start
+    UintArray sky_seen;    // ambient rays so far that met nothing
     LightArray lamp_seen;  // of this lamp's rays so far, see lamp_light()
-    ColorArray light;     // of the lamps so far
-    ColorArray colors;    // sum of the samples so far
+    ColorArray light;      // of the lamps so far
+    ColorArray colors;     // sum of the samples so far
 
     // a G-buffer: three numbers of each point, `stride` floats apart
     FloatArray positions;
@@ -156,8 +156,7 @@ OCTAVO_FN void surface_pass(PixelJob job, uint i) {
 OCTAVO_FN void gbuffer_pass(PixelJob job, uint i) {
     uint p = i * uint(job.position_stride);
     uint n = i * uint(job.normal_stride);
-    vec3 world =
-        vec3(job.positions.at[p], job.positions.at[p + 1u], job.positions.at[p + 2u]);
+    vec3 world = vec3(job.positions.at[p], job.positions.at[p + 1u], job.positions.at[p + 2u]);
     vec3 given = vec3(job.normals.at[n], job.normals.at[n + 1u], job.normals.at[n + 2u]);
     float size = length(given);
     vec3 normal = given / size;
@@ -184,9 +183,9 @@ OCTAVO_FN void gbuffer_pass(PixelJob job, uint i) {
 OCTAVO_FN void sky_pass(PixelJob job, uint i) {
     SurfacePoint point = job.points.at[i];
     if (point.exists == 0) return;
-    job.sky_seen.at[i] += uint(sky_samples_seen(job.dag, surface_ray(point), point.face,
-                                                point.normal, job.sky_radius, job.sky_stop,
-                                                job.first, job.end, point.seed ^ 0x68bc21ebu));
+    job.sky_seen.at[i] +=
+        uint(sky_samples_seen(job.dag, surface_ray(point), point.face, point.normal, job.sky_radius,
+                              job.sky_stop, job.first, job.end, point.seed ^ 0x68bc21ebu));
 }
 
 OCTAVO_FN void lamp_pass(PixelJob job, uint i) {
@@ -194,9 +193,9 @@ OCTAVO_FN void lamp_pass(PixelJob job, uint i) {
     if (point.exists == 0) return;
     SeenPlacedLamp seen =
         see_lamp(job.lamp, surface_ray(point), point.face, point.normal, job.hard);
-    job.lamp_seen.at[i] += lamp_light(job.dag, job.lamp, seen, job.first, job.end,
-                                      lamp_seed(point.seed, job.lamp_number), job.shadows,
-                                      job.lamp_beams);
+    job.lamp_seen.at[i] +=
+        lamp_light(job.dag, job.lamp, seen, job.first, job.end,
+                   lamp_seed(point.seed, job.lamp_number), job.shadows, job.lamp_beams);
 }
 
 // After the last lamp_pass() of a lamp.

@@ -46,8 +46,8 @@ Lamp::Lamp(const Light& light, const Grid& grid) : light_(light) {
     split(grid.to_grid(light.position), p.cell, p.frac);
     p.direction = vec3(light.direction);
     p.voxel_size = static_cast<float>(grid.voxel_size);
-    p.radius = static_cast<float>(
-        light.kind == Light::Kind::sun ? light.size : light.size / grid.voxel_size);
+    p.radius = static_cast<float>(light.kind == Light::Kind::sun ? light.size
+                                                                 : light.size / grid.voxel_size);
     p.cos_inner = p.cos_outer = -2.0f;
     if (light.kind == Light::Kind::spot) {
         p.cos_outer = static_cast<float>(std::cos(light.outer_angle));

@@ -66,8 +66,8 @@ struct SeenPlacedLamp {
     int face;
     vec3 normal;
     LampPatch target;  // of all but a mesh
-    float light;      // of each ray where they are all alike, else 0
-    int dark;         // 1: no light can come from it, whatever is in the way
+    float light;       // of each ray where they are all alike, else 0
+    int dark;          // 1: no light can come from it, whatever is in the way
 };
 
 // A ray towards a lamp, and the light that comes along it where nothing is in the way: a part of
@@ -93,8 +93,7 @@ OCTAVO_FN float area_light(vec3 direction, vec3 normal, vec3 lamp_normal, float 
 
 // start, face: see sky_ray(). normal: unit length. hard: not 0 where all rays go to the lamp's
 // middle; a mesh has none.
-OCTAVO_FN SeenPlacedLamp see_lamp(PlacedLamp lamp, GridRay start, int face, vec3 normal,
-                                  int hard) {
+OCTAVO_FN SeenPlacedLamp see_lamp(PlacedLamp lamp, GridRay start, int face, vec3 normal, int hard) {
     SeenPlacedLamp seen;
     seen.start = start;
     seen.face = face;
@@ -248,8 +247,8 @@ OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, int
         if (!(one.light > 0.0f)) continue;
         one.ray.t_min = max(one.ray.t_min, interval.x);
         one.ray.t_max = min(one.ray.t_max, interval.y);
-        bool open = shadows == 0 || !(one.ray.t_min < one.ray.t_max) ||
-                    !trace_any(dag, one.ray, to_voxels);
+        bool open =
+            shadows == 0 || !(one.ray.t_min < one.ray.t_max) || !trace_any(dag, one.ray, to_voxels);
         light += vec2(open ? one.light : 0.0f, one.light);
     }
     return light;

@@ -14,8 +14,8 @@ namespace octavo {
 struct RenderSettings {
     PixelRays rays;
     std::vector<Light> lights;
-    vec3 up;                    // unit length
-    float ao_radius;            // voxels
+    vec3 up;          // unit length
+    float ao_radius;  // voxels
     shared::Stop primary_stop;
     shared::Stop ao_stop;
 };

@@ -54,7 +54,7 @@ public:
     }
 
     double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                       const shared::Stop& stop, std::span<shared::GridHit> hits) override {
+                         const shared::Stop& stop, std::span<shared::GridHit> hits) override {
         return for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
             trace_closest_wide(words(dag), rays.subspan(first, count), stop,
                                hits.subspan(first, count));
@@ -62,7 +62,7 @@ public:
     }
 
     double trace_any(const DeviceDag& dag, std::span<const shared::GridRay> rays,
-                   const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
+                     const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
         return for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
             std::vector<std::uint8_t> found(count);
             trace_any_wide(words(dag), rays.subspan(first, count), stop, found);

@@ -47,7 +47,7 @@ OCTAVO_FN std::uint32_t words_of(const Candidate& node, bool leaf) {
 struct LevelArrays {
     std::uint32_t n;
     bool leaves;
-    const std::uint32_t* codes;     // Morton codes of the candidates' cells
+    const std::uint32_t* codes;  // Morton codes of the candidates' cells
     const Candidate* nodes;
     std::uint64_t* hashes;          // then sorted
     std::uint32_t* order;           // candidates by hash, stable
@@ -90,8 +90,7 @@ struct MatchStep {
 struct SizeStep {
     LevelArrays level;
     OCTAVO_FN void operator()(std::uint32_t i) const {
-        level.sizes[i] =
-            level.representative[i] == i ? words_of(level.nodes[i], level.leaves) : 0;
+        level.sizes[i] = level.representative[i] == i ? words_of(level.nodes[i], level.leaves) : 0;
     }
 };
 
@@ -171,7 +170,8 @@ void reduce_tile(Runner& run, const std::uint32_t* leaf_codes, const Candidate* 
         run.for_each(n, MatchStep{level});
         run.for_each(n, SizeStep{level});
         run.sum_before(level.sizes, level.offsets, n);
-        const std::uint32_t words = run.value(level.offsets + n - 1) + run.value(level.sizes + n - 1);
+        const std::uint32_t words =
+            run.value(level.offsets + n - 1) + run.value(level.sizes + n - 1);
         level.words = run.template array<std::uint32_t>("words", words);
         run.for_each(n, WriteStep{level});
         take(height, level.words, words);
@@ -185,8 +185,8 @@ void reduce_tile(Runner& run, const std::uint32_t* leaf_codes, const Candidate* 
         // Two of each, in turn: one level's cells are read while the next one's are written.
         auto* parent_nodes =
             run.template array<Candidate>(height % 2 == 0 ? "even nodes" : "odd nodes", parents);
-        auto* parent_codes =
-            run.template array<std::uint32_t>(height % 2 == 0 ? "even codes" : "odd codes", parents);
+        auto* parent_codes = run.template array<std::uint32_t>(
+            height % 2 == 0 ? "even codes" : "odd codes", parents);
         run.for_each(n, ParentStep{level, first, before, parent_nodes, parent_codes});
         codes = parent_codes;
         nodes = parent_nodes;

@@ -51,7 +51,7 @@ public:
 
 private:
     std::uint64_t size_;
-    std::map<std::uint64_t, std::uint64_t> free_;   // offset -> bytes; offsets are aligned
+    std::map<std::uint64_t, std::uint64_t> free_;  // offset -> bytes; offsets are aligned
     std::map<std::uint64_t, std::uint64_t> taken_;
 };
 

@@ -119,8 +119,9 @@ Instance::Instance(bool validation) {
     const Loader& l = loader();
     if (!l.missing.empty()) throw Error(Errc::unsupported, l.missing);
     if (validation && !has_validation_layer())
-        throw Error(Errc::unsupported, "the Vulkan validation layer is not installed "
-                                       "(Debian: vulkan-validationlayers)");
+        throw Error(Errc::unsupported,
+                    "the Vulkan validation layer is not installed "
+                    "(Debian: vulkan-validationlayers)");
     VkApplicationInfo application{};
     application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
     application.pApplicationName = "octavo";
@@ -139,13 +140,15 @@ Instance::Instance(bool validation) {
     }
     const VkResult result = l.vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-        throw Error(Errc::unsupported,
-                    "no Vulkan driver is installed (Debian: mesa-vulkan-drivers, or your GPU's own)");
+        throw Error(
+            Errc::unsupported,
+            "no Vulkan driver is installed (Debian: mesa-vulkan-drivers, or your GPU's own)");
     check(result, "making an instance");
     functions_.load(instance_);
     if (validation)
-        check(functions_.vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
-              "listening to the validation layers");
+        check(
+            functions_.vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
+            "listening to the validation layers");
 
     std::uint32_t count = 0;
     if (functions_.vkEnumeratePhysicalDevices(instance_, &count, nullptr) == VK_SUCCESS) {

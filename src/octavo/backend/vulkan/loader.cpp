@@ -82,9 +82,10 @@ void check(VkResult result, const std::string& doing) {
     if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY)
         throw Error(Errc::limit, text);
     if (result == VK_ERROR_DEVICE_LOST)
-        throw Error(Errc::io, text +
-                                  "; the driver stopped the device, as after a pass that ran longer "
-                                  "than the system's watchdog allows; open it anew");
+        throw Error(Errc::io,
+                    text +
+                        "; the driver stopped the device, as after a pass that ran longer "
+                        "than the system's watchdog allows; open it anew");
     throw Error(Errc::io, text);
 }
 

@@ -10,55 +10,55 @@
 /// library, and only says so when a Vulkan device is asked for.
 namespace octavo::vulkan {
 
-#define OCTAVO_VULKAN_GLOBAL(X)         \
-    X(vkCreateInstance)                 \
-    X(vkEnumerateInstanceVersion)       \
+#define OCTAVO_VULKAN_GLOBAL(X)           \
+    X(vkCreateInstance)                   \
+    X(vkEnumerateInstanceVersion)         \
     X(vkEnumerateInstanceLayerProperties) \
     X(vkEnumerateInstanceExtensionProperties)
 
-#define OCTAVO_VULKAN_INSTANCE(X)            \
-    X(vkDestroyInstance)                     \
-    X(vkEnumeratePhysicalDevices)            \
-    X(vkGetPhysicalDeviceProperties2)        \
-    X(vkGetPhysicalDeviceFeatures2)          \
-    X(vkGetPhysicalDeviceMemoryProperties)   \
+#define OCTAVO_VULKAN_INSTANCE(X)               \
+    X(vkDestroyInstance)                        \
+    X(vkEnumeratePhysicalDevices)               \
+    X(vkGetPhysicalDeviceProperties2)           \
+    X(vkGetPhysicalDeviceFeatures2)             \
+    X(vkGetPhysicalDeviceMemoryProperties)      \
     X(vkGetPhysicalDeviceQueueFamilyProperties) \
-    X(vkCreateDevice)                        \
+    X(vkCreateDevice)                           \
     X(vkGetDeviceProcAddr)
 
-#define OCTAVO_VULKAN_DEVICE(X)     \
-    X(vkDestroyDevice)              \
-    X(vkGetDeviceQueue)             \
-    X(vkCreateBuffer)               \
-    X(vkDestroyBuffer)              \
+#define OCTAVO_VULKAN_DEVICE(X)      \
+    X(vkDestroyDevice)               \
+    X(vkGetDeviceQueue)              \
+    X(vkCreateBuffer)                \
+    X(vkDestroyBuffer)               \
     X(vkGetBufferMemoryRequirements) \
-    X(vkGetBufferDeviceAddress)     \
-    X(vkAllocateMemory)             \
-    X(vkFreeMemory)                 \
-    X(vkBindBufferMemory)           \
-    X(vkMapMemory)                  \
-    X(vkCreateShaderModule)         \
-    X(vkDestroyShaderModule)        \
-    X(vkCreatePipelineLayout)       \
-    X(vkDestroyPipelineLayout)      \
-    X(vkCreateComputePipelines)     \
-    X(vkDestroyPipeline)            \
-    X(vkCreateCommandPool)          \
-    X(vkDestroyCommandPool)         \
-    X(vkAllocateCommandBuffers)     \
-    X(vkBeginCommandBuffer)         \
-    X(vkEndCommandBuffer)           \
-    X(vkResetCommandBuffer)         \
-    X(vkCmdBindPipeline)            \
-    X(vkCmdPushConstants)           \
-    X(vkCmdDispatch)                \
-    X(vkCmdPipelineBarrier)         \
-    X(vkCmdCopyBuffer)              \
-    X(vkCreateFence)                \
-    X(vkDestroyFence)               \
-    X(vkResetFences)                \
-    X(vkWaitForFences)              \
-    X(vkQueueSubmit)                \
+    X(vkGetBufferDeviceAddress)      \
+    X(vkAllocateMemory)              \
+    X(vkFreeMemory)                  \
+    X(vkBindBufferMemory)            \
+    X(vkMapMemory)                   \
+    X(vkCreateShaderModule)          \
+    X(vkDestroyShaderModule)         \
+    X(vkCreatePipelineLayout)        \
+    X(vkDestroyPipelineLayout)       \
+    X(vkCreateComputePipelines)      \
+    X(vkDestroyPipeline)             \
+    X(vkCreateCommandPool)           \
+    X(vkDestroyCommandPool)          \
+    X(vkAllocateCommandBuffers)      \
+    X(vkBeginCommandBuffer)          \
+    X(vkEndCommandBuffer)            \
+    X(vkResetCommandBuffer)          \
+    X(vkCmdBindPipeline)             \
+    X(vkCmdPushConstants)            \
+    X(vkCmdDispatch)                 \
+    X(vkCmdPipelineBarrier)          \
+    X(vkCmdCopyBuffer)               \
+    X(vkCreateFence)                 \
+    X(vkDestroyFence)                \
+    X(vkResetFences)                 \
+    X(vkWaitForFences)               \
+    X(vkQueueSubmit)                 \
     X(vkDeviceWaitIdle)
 
 /// The library. Loaded once and kept.

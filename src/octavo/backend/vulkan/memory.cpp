@@ -89,7 +89,8 @@ Block Memory::make_block(std::uint64_t bytes, VkMemoryPropertyFlags wanted,
             if (!(requirements.memoryTypeBits >> i & 1u) ||
                 (properties_.memoryTypes[i].propertyFlags & properties) != properties)
                 continue;
-            if (bytes > properties_.memoryHeaps[properties_.memoryTypes[i].heapIndex].size) continue;
+            if (bytes > properties_.memoryHeaps[properties_.memoryTypes[i].heapIndex].size)
+                continue;
             allocate.memoryTypeIndex = i;
             result = f_.vkAllocateMemory(device_, &allocate, nullptr, &block.memory);
             if (result == VK_SUCCESS) break;

@@ -58,7 +58,7 @@ private:
     const DeviceFunctions& f_;
     VkDevice device_;
     const VkPhysicalDeviceMemoryProperties properties_;
-    const std::uint64_t largest_;  // bytes that one block may have
+    const std::uint64_t largest_;                                   // bytes that one block may have
     std::map<std::uint64_t, std::unique_ptr<SharedBlock>> shared_;  // by address
 };
 

@@ -147,8 +147,8 @@ private:
 class Queue final : public VulkanQueue {
 public:
     explicit Queue(const QueueOptions& options) : h_(options) {
-        std::uint64_t page = std::min(
-            kLargestPage, largest_allocation(h_.instance.functions(), h_.physical));
+        std::uint64_t page =
+            std::min(kLargestPage, largest_allocation(h_.instance.functions(), h_.physical));
         if (options.page_bytes != 0) page = std::min(page, options.page_bytes);
         page_bytes_ = std::bit_floor(page);
     }
@@ -311,9 +311,9 @@ private:
             h_.f.vkCmdPushConstants(h_.commands, h_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                     sizeof(launch), &launch);
             const std::uint64_t some = std::min(most, threads - first);
-            h_.f.vkCmdDispatch(h_.commands,
-                               static_cast<std::uint32_t>((some + kGroupThreads - 1) / kGroupThreads),
-                               1, 1);
+            h_.f.vkCmdDispatch(
+                h_.commands, static_cast<std::uint32_t>((some + kGroupThreads - 1) / kGroupThreads),
+                1, 1);
         }
         barrier();
     }
