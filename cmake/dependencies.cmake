@@ -12,6 +12,7 @@ find_package(hwy REQUIRED)       # SIMD with run-time dispatch, for the voxel ov
 find_package(ZLIB REQUIRED)      # gzipped meshes
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)  # checksums of file sections
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compressed sections
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)        # what a build spills to its scratch folder
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
 find_package(PNG REQUIRED)       # pictures

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "arguments.h"
 #include "commands.h"
@@ -108,6 +110,16 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
 }
 
+std::string estimate_text(const Estimate& estimate, std::uint64_t cap) {
+    std::string text = fmt::format("about {:.0f} s, {} MB of memory, a file of {} MB",
+                                   estimate.seconds, grouped(estimate.peak_bytes / 1'000'000),
+                                   grouped(estimate.dag_bytes / 1'000'000));
+    if (cap != 0 && estimate.peak_bytes > cap && estimate.least_bytes <= cap)
+        text += fmt::format("; {} MB are allowed, and up to {} MB spill to disk",
+                            grouped(cap / 1'000'000), grouped(estimate.scratch_bytes / 1'000'000));
+    return text;
+}
+
 /// Says what a long build will take, and refuses one that the cap cannot hold.
 void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
@@ -117,24 +129,30 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     const Estimate estimate = estimate_build(scene, options);
     meter.finish();
     if (!arguments.quiet)
-        fmt::print(stderr, "about {:.0f} s, {} MB of memory, a file of {} MB\n", estimate.seconds,
-                   grouped(estimate.peak_bytes / 1'000'000),
-                   grouped(estimate.dag_bytes / 1'000'000));
+        fmt::print(stderr, "{}\n", estimate_text(estimate, options.max_memory_bytes));
     require_memory(estimate, options.max_memory_bytes);
+}
+
+/// Large blocks come from the system one by one and go back to it at once, so that what is given
+/// back is not counted; by default glibc begins to keep blocks of up to 32 MiB.
+void return_freed_memory() {
+    constexpr int kLeastBlock = 256 << 10;
+    mallopt(M_MMAP_THRESHOLD, kLeastBlock);
 }
 
 void run_build(BuildArguments& arguments) {
     check_output(arguments.output, arguments.force);
     BuildOptions& options = arguments.options;
+    if (options.max_memory_bytes != 0) return_freed_memory();
     if (arguments.origin)
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,
                             .depth = options.depth};
 
     const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
-    options.journal = arguments.scratch.empty() ? beside : arguments.scratch;
-    options.journal /= arguments.output.filename();
-    options.journal += ".journal";
+    options.scratch = arguments.scratch.empty() ? beside : arguments.scratch;
+    options.scratch /= arguments.output.filename();
+    options.scratch += ".scratch";
     options.journal_interval =
         std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
 
@@ -144,20 +162,19 @@ void run_build(BuildArguments& arguments) {
     Stopwatch watch;
 
     meter.begin_phase("import");
-    Model model;
-    {
-        const Scene scene = read_input(arguments.input);
-        times.import_seconds = watch.lap();
-        throw_if_interrupted();
-        meter.finish();
-        for (const std::string& warning : scene.warnings)
-            if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
-        announce_estimate(scene, arguments, meter);
-        watch.lap();
-        model =
-            make_model(source_name(arguments.input), scene, options.rule, build(scene, options));
-        times.construct_seconds = watch.lap();
-    }
+    Scene scene = read_input(arguments.input);
+    times.import_seconds = watch.lap();
+    throw_if_interrupted();
+    meter.finish();
+    for (const std::string& warning : scene.warnings)
+        if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
+    announce_estimate(scene, arguments, meter);
+    watch.lap();
+    BuildResult built = build_and_release(scene, options);
+    const Model model =
+        make_model(source_name(arguments.input), scene, options.rule, std::move(built));
+    scene = {};
+    times.construct_seconds = watch.lap();
     write_octv(arguments.output, model,
                {.compress = arguments.compress, .progress = meter.function()});
     times.write_seconds = watch.lap();
@@ -203,15 +220,16 @@ void add_build_command(CLI::App& program) {
     command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
-               "Memory that the program may take, like 8G", "SIZE");
+               "Memory that the program may take, like 8G; what has no room spills to disk", "SIZE");
     command
         .add_option("--scratch", arguments->scratch,
-                    "Folder for the journal from which a stopped build goes on; that of FILE")
+                    "Where to make the folder FILE.scratch, for what a stopped build goes on from "
+                    "and what --max-memory leaves no room for; beside FILE")
         ->type_name("DIR")
         ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
     command
         .add_option("--journal-seconds", arguments->journal_seconds,
-                    "How long a build works between entries of its journal, 5")
+                    "How long a build works between two writes of what it has done, 5")
         ->type_name("S")
         ->check(within(0.0, 1e6));
     command.add_flag("--compress", arguments->compress,

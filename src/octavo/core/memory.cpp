@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/core/memory.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -20,6 +21,10 @@ std::uint64_t peak_resident_bytes() {
     rusage usage{};
     if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+void trim_memory() {
+    malloc_trim(0);
 }
 
 }  // namespace octavo

@@ -11,4 +11,7 @@ namespace octavo {
 /// The most that it has held so far.
 [[nodiscard]] std::uint64_t peak_resident_bytes();
 
+/// Gives memory that has been freed back to the system, as far as the allocator holds it.
+void trim_memory();
+
 }  // namespace octavo

@@ -21,7 +21,7 @@ struct Model {
 /// left out: they cannot be used, and JSON cannot hold them.
 ///
 /// @param source  the name to remember: of the file, without its folder
-/// Cost           one pass over the DAG, for its statistics
+/// @param built   without statistics (a DAG that build() did not make), they are counted
 [[nodiscard]] Model make_model(std::string source, const Scene& scene, VoxelRule rule,
                                BuildResult built);
 
