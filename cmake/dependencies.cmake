@@ -18,6 +18,10 @@ find_package(assimp REQUIRED)    # the many mesh formats that we do not read our
 find_package(PNG REQUIRED)       # pictures
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
 
+# Optional: builds by many machines together (packages libopenmpi-dev, openmpi-bin).
+set(MPI_CXX_SKIP_MPICXX ON)
+find_package(MPI QUIET COMPONENTS CXX)
+
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments
     find_package(fmt REQUIRED)    # tables: g++ 12 has no std::format

@@ -14,8 +14,10 @@
 #include "commands.h"
 #include "help.h"
 #include "interrupt.h"
+#include "machines.h"
 #include "octavo/construct/build.h"
 #include "octavo/construct/estimate.h"
+#include "octavo/construct/scratch.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
@@ -31,6 +33,8 @@ namespace {
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
+    "  octavo build sample:city -o city.octv --resolution 32K --max-memory 2G\n"
+    "  mpirun -n 4 octavo build scene.glb -o scene.octv --resolution 16K\n"
     "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
 
 constexpr std::string_view kSamplePrefix = "sample:";
@@ -91,7 +95,7 @@ std::string source_name(const std::string& input) {
 }
 
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
-                        const BuildTimes& times) {
+                        const BuildTimes& times, const Machines& machines) {
     if (arguments.json) {
         const int threads =
             arguments.options.threads > 0 ? arguments.options.threads : available_threads();
@@ -101,7 +105,9 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
                          {"write_seconds", times.write_seconds},
                          {"total_seconds", times.total()},
                          {"threads", threads},
-                         {"peak_rss_bytes", peak_resident_bytes()}};
+                         {"peak_rss_bytes", peak_resident_bytes()},
+                         {"ranks", machines.count()},
+                         {"sent_bytes", machines.sent_bytes()}};
         return json.dump(2) + "\n";
     }
     return fmt::format(
@@ -120,6 +126,16 @@ std::string estimate_text(const Estimate& estimate, std::uint64_t cap) {
     return text;
 }
 
+std::string estimate_json(const Estimate& estimate) {
+    return Json{{"phase", "estimated"},
+                {"seconds_left", estimate.seconds},
+                {"peak_bytes", estimate.peak_bytes},
+                {"least_bytes", estimate.least_bytes},
+                {"scratch_bytes", estimate.scratch_bytes},
+                {"dag_bytes", estimate.dag_bytes}}
+        .dump();
+}
+
 /// Says what a long build will take, and refuses one that the cap cannot hold.
 void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
@@ -129,7 +145,9 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     const Estimate estimate = estimate_build(scene, options);
     meter.finish();
     if (!arguments.quiet)
-        fmt::print(stderr, "{}\n", estimate_text(estimate, options.max_memory_bytes));
+        fmt::print(stderr, "{}\n",
+                   arguments.json ? estimate_json(estimate)
+                                  : estimate_text(estimate, options.max_memory_bytes));
     require_memory(estimate, options.max_memory_bytes);
 }
 
@@ -140,23 +158,35 @@ void return_freed_memory() {
     mallopt(M_MMAP_THRESHOLD, kLeastBlock);
 }
 
-void run_build(BuildArguments& arguments) {
-    check_output(arguments.output, arguments.force);
+std::filesystem::path scratch_of(const BuildArguments& arguments) {
+    const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
+    std::filesystem::path scratch = arguments.scratch.empty() ? beside : arguments.scratch;
+    scratch /= arguments.output.filename();
+    scratch += ".scratch";
+    return scratch;
+}
+
+void build_file(BuildArguments& arguments, Machines& machines) {
+    if (machines.is_first()) {
+        check_output(arguments.output, arguments.force);
+    } else {
+        arguments.quiet = true;
+    }
     BuildOptions& options = arguments.options;
     if (options.max_memory_bytes != 0) return_freed_memory();
     if (arguments.origin)
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,
                             .depth = options.depth};
-
-    const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
-    options.scratch = arguments.scratch.empty() ? beside : arguments.scratch;
-    options.scratch /= arguments.output.filename();
-    options.scratch += ".scratch";
+    options.scratch = scratch_of(arguments);
+    options.keep_scratch = true;  // until the file is written
     options.journal_interval =
         std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
 
-    ProgressMeter meter(arguments.quiet);
+    using Style = ProgressMeter::Style;
+    ProgressMeter meter(arguments.quiet  ? Style::quiet
+                        : arguments.json ? Style::json
+                                         : Style::people);
     options.progress = meter.function();
     BuildTimes times;
     Stopwatch watch;
@@ -168,22 +198,30 @@ void run_build(BuildArguments& arguments) {
     meter.finish();
     for (const std::string& warning : scene.warnings)
         if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
-    announce_estimate(scene, arguments, meter);
+    if (machines.is_first()) announce_estimate(scene, arguments, meter);
     watch.lap();
-    BuildResult built = build_and_release(scene, options);
+    BuildResult built = machines.build(scene, options);
+    if (!machines.is_first()) return;
     const Model model =
         make_model(source_name(arguments.input), scene, options.rule, std::move(built));
     scene = {};
     times.construct_seconds = watch.lap();
     write_octv(arguments.output, model,
                {.compress = arguments.compress, .progress = meter.function()});
+    delete_scratch(options.scratch);
     times.write_seconds = watch.lap();
 
     const OctvSummary summary{.metadata = model.metadata,
                               .file_bytes = std::filesystem::file_size(arguments.output),
                               .compressed = arguments.compress};
     meter.finish();
-    if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times));
+    if (arguments.json || !arguments.quiet)
+        print(report_text(arguments, summary, times, machines));
+}
+
+void run_build(BuildArguments& arguments) {
+    Machines machines;
+    machines.run([&] { build_file(arguments, machines); });
 }
 
 }  // namespace
@@ -236,7 +274,8 @@ void add_build_command(CLI::App& program) {
                      "Compress the DAG: a smaller file that takes longer to open");
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
-    command.add_flag("--json", arguments->json, "Print the statistics as JSON");
+    command.add_flag("--json", arguments->json, "Print the statistics as JSON, and progress as a line of JSON a second on "
+                     "standard error: phase, seconds, done, total, voxels, seconds_left");
     command.callback([arguments] { run_build(*arguments); });
 }
 

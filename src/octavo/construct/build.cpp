@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "octavo/construct/build_plan.h"
 #include "octavo/construct/construct.h"
 #include "octavo/construct/scratch.h"
 #include "octavo/core/memory.h"
@@ -89,40 +90,64 @@ std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
     return XXH3_64bits(&identity, sizeof identity);
 }
 
-/// @param disposable  the scene, where it may be given up; or null
+}  // namespace
+
+BuildPlan plan_build(const Scene& scene, const BuildOptions& options) {
+    BuildPlan plan;
+    plan.grid = options.grid ? *options.grid : smallest_cube(scene.bounds(), options.depth);
+    plan.tile_depth = choose_tile_depth(options, plan.grid.depth);
+    if (!options.scratch.empty())
+        plan.key = key_of(scene, plan.grid, options.rule, plan.tile_depth);
+    return plan;
+}
+
+SortedTriangles sort_triangles(const Scene& scene, Scene* disposable, const BuildPlan& plan,
+                               const BuildOptions& options, Scratch& scratch) {
+    report(options.progress, {"sort triangles", 0, 0, 0});
+    SortedTriangles sorted;
+    sorted.count = scene.triangles.size();
+    const int tiles_depth = plan.grid.depth - plan.tile_depth;
+    if (const auto buffer = triangle_buffer(scene, options, tiles_depth)) {
+        scratch.open();
+        auto source = std::make_unique<SpilledTriangles>(
+            scene, plan.grid, options.rule, plan.tile_depth, scratch.folder() / "triangles", buffer,
+            options.progress);
+        sorted.degenerate = source->degenerate_triangles();
+        sorted.non_finite = source->non_finite_triangles();
+        sorted.source = std::move(source);
+        if (disposable != nullptr) drop_geometry(*disposable);
+    } else {
+        auto source =
+            std::make_unique<TriangleSource>(scene, plan.grid, options.rule, plan.tile_depth);
+        sorted.degenerate = source->mesh().degenerate_triangles();
+        sorted.non_finite = source->mesh().non_finite_triangles();
+        sorted.source = std::move(source);
+    }
+    return sorted;
+}
+
+namespace {
+
 BuildResult build_from(const Scene& scene, Scene* disposable, const BuildOptions& options) {
     BuildResult result;
     with_threads(options.threads, [&] {
-        result.grid = options.grid ? *options.grid : smallest_cube(scene.bounds(), options.depth);
-        report(options.progress, {"sort triangles", 0, 0, 0});
-        const int depth = result.grid.depth;
-        const int tile_depth = choose_tile_depth(options, depth);
-        const std::uint64_t key =
-            options.scratch.empty() ? 0 : key_of(scene, result.grid, options.rule, tile_depth);
-        Scratch scratch(options.scratch, key, tile_depth - 2);
-        const ConstructOptions construct_options = {.max_memory_bytes = options.max_memory_bytes,
-                                                    .max_store_bytes = options.spill.node_bytes,
-                                                    .progress = options.progress,
-                                                    .journal_interval = options.journal_interval};
-        result.triangles = scene.triangles.size();
-
-        Constructed constructed;
-        if (const auto buffer = triangle_buffer(scene, options, depth - tile_depth)) {
-            scratch.open();
-            const SpilledTriangles source(scene, result.grid, options.rule, tile_depth,
-                                          scratch.folder() / "triangles", buffer, options.progress);
-            result.degenerate_triangles = source.degenerate_triangles();
-            result.non_finite_triangles = source.non_finite_triangles();
-            if (disposable != nullptr) drop_geometry(*disposable);
-            constructed = construct(source, depth, construct_options, scratch);
-        } else {
-            const TriangleSource source(scene, result.grid, options.rule, tile_depth);
-            result.degenerate_triangles = source.mesh().degenerate_triangles();
-            result.non_finite_triangles = source.mesh().non_finite_triangles();
-            constructed = construct(source, depth, construct_options, scratch);
-        }
-        result.dag = std::move(constructed.dag);
-        result.statistics = std::move(constructed.statistics);
+        const BuildPlan plan = plan_build(scene, options);
+        Scratch scratch(options.scratch, plan.key, plan.tile_depth - 2);
+        const SortedTriangles sorted = sort_triangles(scene, disposable, plan, options, scratch);
+        Constructed constructed =
+            construct(*sorted.source, plan.grid.depth,
+                      {.max_memory_bytes = options.max_memory_bytes,
+                       .max_store_bytes = options.spill.node_bytes,
+                       .progress = options.progress,
+                       .journal_interval = options.journal_interval},
+                      scratch);
+        result = {std::move(constructed.dag),
+                  std::move(constructed.statistics),
+                  plan.grid,
+                  sorted.count,
+                  sorted.degenerate,
+                  sorted.non_finite};
+        if (!options.keep_scratch) scratch.remove();
     });
     return result;
 }

@@ -32,6 +32,10 @@ struct BuildOptions {
     std::filesystem::path scratch;
     std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
 
+    /// Leaves the scratch folder where it is when the build is done, as the result is not safe yet;
+    /// to be deleted by delete_scratch().
+    bool keep_scratch = false;
+
     /// How much of each kind is held in memory before it spills to the scratch folder, where this is
     /// less than what the cap would allow; 0: no limit of its own.
     struct Spill {

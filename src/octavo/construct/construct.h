@@ -35,8 +35,8 @@ struct Constructed {
 ///
 /// @param depth    of the grid that the source's tiles are cut from
 /// @param scratch  where to keep what is done from time to time, so that a build which is killed
-///                 can go on, and what the cap leaves no room for. Removed when this returns, kept
-///                 when it throws. Where it is not available, a cap that would be passed is an error
+///                 can go on, and what the cap leaves no room for. Where it is not available, a
+///                 cap that would be passed is an error
 /// @throws Error io where the scratch cannot be read or written; limit where the memory cap or 2^32
 ///               words would be passed; cancelled
 /// Source        [K13] section 3

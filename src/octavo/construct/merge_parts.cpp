@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 
 namespace octavo {
 namespace {
@@ -294,6 +295,19 @@ private:
 void merge_parts(std::span<const std::unique_ptr<PartFile>> parts, PartFile& out,
                  const MergeOptions& options) {
     Merger(parts, out, options).merge();
+}
+
+std::unique_ptr<PartFile> merge_into_one(std::vector<std::unique_ptr<PartFile>> parts,
+                                         const Scratch& scratch, const MemoryLimits& limits,
+                                         const ProgressFunction& progress) {
+    if (parts.size() == 1) return std::move(parts.front());
+    auto merged = scratch.make_merged_part();
+    merge_parts(parts, *merged,
+                {.max_bytes = limits.room_to_merge(),
+                 .scratch = scratch.folder(),
+                 .progress = progress});
+    trim_memory();
+    return merged;
 }
 
 }  // namespace octavo

@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
+#include "octavo/construct/part_builder.h"
 #include "octavo/construct/part_file.h"
+#include "octavo/construct/scratch.h"
 #include "octavo/core/progress.h"
 
 namespace octavo {
@@ -28,5 +31,11 @@ struct MergeOptions {
 ///                more than 2^32 words; cancelled
 void merge_parts(std::span<const std::unique_ptr<PartFile>> parts, PartFile& out,
                  const MergeOptions& options);
+
+/// The same for a list of parts, at least one: a single one is the result itself.
+[[nodiscard]] std::unique_ptr<PartFile> merge_into_one(std::vector<std::unique_ptr<PartFile>> parts,
+                                                       const Scratch& scratch,
+                                                       const MemoryLimits& limits,
+                                                       const ProgressFunction& progress);
 
 }  // namespace octavo

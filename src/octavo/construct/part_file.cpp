@@ -39,15 +39,19 @@ PartFile::PartFile(std::shared_ptr<SpillFile> file, std::uint64_t key, int top)
     : file_(std::move(file)), key_(key), top_(top), levels_(static_cast<std::size_t>(top) + 1) {}
 
 std::unique_ptr<PartFile> PartFile::create(const std::filesystem::path& path, std::uint64_t key,
-                                           int top) {
-    auto file = std::make_shared<SpillFile>(path, SpillFile::Kind::lasting);
+                                           int top, SpillFile::Kind kind) {
+    auto file = std::make_shared<SpillFile>(path, kind);
     return std::unique_ptr<PartFile>(new PartFile(std::move(file), key, top));
 }
 
 std::unique_ptr<PartFile> PartFile::open(const std::filesystem::path& path, std::uint64_t key,
                                          int top) {
     auto file = SpillFile::open(path);
-    if (!file) return nullptr;
+    return file ? adopt(std::move(file), key, top) : nullptr;
+}
+
+std::unique_ptr<PartFile> PartFile::adopt(std::shared_ptr<SpillFile> file, std::uint64_t key,
+                                          int top) {
     std::unique_ptr<PartFile> part(new PartFile(std::move(file), key, top));
     const std::uint64_t size = part->file_->size();
     while (part->read_segment(size)) {

@@ -35,13 +35,18 @@ public:
     /// Makes an empty file.
     /// @param key  of everything that decides the result and the order of tiles
     /// @param top  the height of a tile's node
-    static std::unique_ptr<PartFile> create(const std::filesystem::path& path, std::uint64_t key,
-                                            int top);
+    static std::unique_ptr<PartFile> create(
+        const std::filesystem::path& path, std::uint64_t key, int top,
+        SpillFile::Kind kind = SpillFile::Kind::lasting);
 
     /// A file as it was left, as far as it is whole; null where it has another key or no segment.
     /// Reads all of it. @throws Error io
     static std::unique_ptr<PartFile> open(const std::filesystem::path& path, std::uint64_t key,
                                           int top);
+
+    /// The same of a file that is open.
+    static std::unique_ptr<PartFile> adopt(std::shared_ptr<SpillFile> file, std::uint64_t key,
+                                           int top);
 
     /// Writes what store and state have beyond what the file has. @throws Error io, as when the
     /// disk is full; the file then holds what it held

@@ -17,21 +17,15 @@ namespace octavo {
 namespace {
 
 constexpr std::string_view kPartPrefix = "part-";
-constexpr std::string_view kMergedPrefix = "merged-";
 constexpr const char* kLockName = "lock";
 
 /// Everything that a build puts into its scratch folder; whatever else is there is left alone.
 bool is_ours(const std::string& name) {
-    constexpr std::array<std::string_view, 7> kTemporary = {"ids",   "piece", "ranks",    "order",
-                                                            "words", "lock",  "triangles"};
-    return name.starts_with(kPartPrefix) || name.starts_with(kMergedPrefix) ||
-           std::ranges::find(kTemporary, name) != kTemporary.end();
-}
-
-std::string digits(std::uint64_t tile) {
-    std::string text = std::to_string(tile);
-    text.insert(0, 10 - std::min<std::size_t>(10, text.size()), '0');
-    return text;
+    constexpr std::array<std::string_view, 9> kPrefixes = {
+        kPartPrefix, "ids-", "piece-", "ranks-", "order-", "words-", "triangles-", "merged-",
+        "received-"};
+    if (name == kLockName) return true;
+    return std::ranges::any_of(kPrefixes, [&](auto prefix) { return name.starts_with(prefix); });
 }
 
 }  // namespace
@@ -54,8 +48,8 @@ private:
     int descriptor_ = -1;
 };
 
-Scratch::Scratch(std::filesystem::path folder, std::uint64_t key, int top)
-    : folder_(std::move(folder)), key_(key), top_(top) {}
+Scratch::Scratch(std::filesystem::path folder, std::uint64_t key, int top, Use use)
+    : folder_(std::move(folder)), key_(key), top_(top), use_(use) {}
 
 Scratch::~Scratch() {
     if (!lock_) return;
@@ -70,30 +64,37 @@ void Scratch::open() {
     std::error_code error;
     std::filesystem::create_directory(folder_, error);
     if (error) throw Error(Errc::io, folder_, "cannot make this folder: " + error.message());
-    lock_ = std::make_unique<Lock>(folder_ / kLockName);
+    if (use_ == Use::alone) lock_ = std::make_unique<Lock>(folder_ / kLockName);
 }
 
 std::vector<std::unique_ptr<PartFile>> Scratch::take_parts() {
-    std::vector<std::unique_ptr<PartFile>> parts;
     std::error_code ignored;
-    if (!available() || !std::filesystem::is_directory(folder_, ignored)) return parts;
+    if (!available() || !std::filesystem::is_directory(folder_, ignored)) return {};
     open();
-    std::vector<std::filesystem::path> others;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    FoundParts found = find_parts(folder_, key_, top_);
+    for (const std::filesystem::path& other : found.others) std::filesystem::remove(other, ignored);
+    return std::move(found.parts);
+}
+
+std::unique_ptr<PartFile> Scratch::make_merged_part() const {
+    return PartFile::create(folder_ / "merged", key_, top_, SpillFile::Kind::temporary);
+}
+
+FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key, int top) {
+    FoundParts found;
+    auto& [parts, others] = found;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
         const std::string name = entry.path().filename().string();
         if (name == kLockName || !is_ours(name)) continue;
-        auto part = name.starts_with(kPartPrefix) ? PartFile::open(entry.path(), key_, top_)
-                                                  : nullptr;
+        auto part = name.starts_with(kPartPrefix) ? PartFile::open(entry.path(), key, top) : nullptr;
         if (part) {
             parts.push_back(std::move(part));
         } else {
             others.push_back(entry.path());
         }
     }
-    std::ranges::sort(parts, [](const auto& a, const auto& b) {
-        return std::pair(a->state().first_tile, b->state().end_tile) <
-               std::pair(b->state().first_tile, a->state().end_tile);
-    });
+    std::ranges::sort(parts, {}, [](const auto& part) { return part->state().first_tile; });
     std::uint64_t end = 0;
     std::erase_if(parts, [&](const auto& part) {
         const PartState& state = part->state();
@@ -102,21 +103,13 @@ std::vector<std::unique_ptr<PartFile>> Scratch::take_parts() {
         if (!keep) others.push_back(part->file().path());
         return !keep;
     });
-    for (const std::filesystem::path& other : others) std::filesystem::remove(other, ignored);
-    return parts;
+    return found;
 }
 
-std::unique_ptr<PartFile> Scratch::make_part(std::uint64_t first_tile) {
-    open();
-    return PartFile::create(folder_ / (std::string(kPartPrefix) + digits(first_tile)), key_, top_);
-}
-
-std::unique_ptr<PartFile> Scratch::make_merged_part(std::uint64_t first_tile,
-                                                    std::uint64_t end_tile) {
-    open();
-    const std::string name =
-        std::string(kMergedPrefix) + digits(first_tile) + "-" + digits(end_tile);
-    return PartFile::create(folder_ / name, key_, top_);
+std::filesystem::path part_path(const std::filesystem::path& folder, std::uint64_t first_tile) {
+    std::string digits = std::to_string(first_tile);
+    digits.insert(0, 10 - std::min<std::size_t>(10, digits.size()), '0');
+    return folder / (std::string(kPartPrefix) + digits);
 }
 
 void Scratch::remove() noexcept {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -39,9 +40,15 @@ SpillFile::SpillFile(std::filesystem::path path, int descriptor)
     : path_(std::move(path)), descriptor_(descriptor) {}
 
 SpillFile::SpillFile(const std::filesystem::path& path, Kind kind) : path_(path) {
-    descriptor_ = ::open(path.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_CLOEXEC, 0666);
+    if (kind == Kind::temporary) {
+        // A name of its own, because other processes may make theirs in the same folder.
+        std::string pattern = path.string() + "-XXXXXX";
+        descriptor_ = ::mkostemp(pattern.data(), O_CLOEXEC);
+        if (descriptor_ >= 0) ::unlink(pattern.c_str());
+    } else {
+        descriptor_ = ::open(path.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_CLOEXEC, 0666);
+    }
     if (descriptor_ < 0) throw io_error(path, "make this file");
-    if (kind == Kind::temporary) ::unlink(path.c_str());
 }
 
 SpillFile::~SpillFile() {
