@@ -37,6 +37,7 @@ constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
     std::filesystem::path file;
+    bool trusted = false;
     std::filesystem::path output;
     RenderOptions options;
     uvec2 size{1280, 720};
@@ -145,7 +146,8 @@ void run_render(RenderArguments& arguments) {
         throw Error(Errc::bad_argument, "--primary mesh needs --dag, the .octv file of the scene");
     if (!arguments.primary_mesh && !arguments.dag.empty())
         throw Error(Errc::bad_argument, "--dag goes with --primary mesh only");
-    const Model model = read_octv(arguments.primary_mesh ? arguments.dag : arguments.file);
+    const Model model = read_octv(arguments.primary_mesh ? arguments.dag : arguments.file,
+                                  {.trusted = arguments.trusted});
     if (arguments.primary_mesh)
         arguments.options.primary =
             primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
@@ -230,6 +232,7 @@ void add_render_command(CLI::App& program) {
                     "sample:NAME")
         ->required()
         ->type_name("");
+    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
         ->required()
         ->type_name("FILE");

@@ -19,7 +19,7 @@
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
-#include "octavo/render/normal.h"
+#include "octavo/render/normal_cache.h"
 #include "octavo/render/ray_queue.h"
 #include "octavo/render/visibility.h"
 
@@ -27,31 +27,6 @@ namespace octavo {
 namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
-
-/// The smoothed normals of the cells that a thread has met: close to a surface many pixels share
-/// one. A slot holds the last normal that fell on it, which depends on the cell and face alone, so
-/// the picture does not depend on what is found here.
-class NormalCache {
-public:
-    vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
-        const std::uint32_t key = shared::mix_bits(
-            hit.path.x + shared::mix_bits(hit.path.y + shared::mix_bits(hit.path.z)));
-        Entry& entry = entries_[key % entries_.size()];
-        if (entry.face != hit.face || entry.height != hit.height || entry.path != hit.path ||
-            hit.face == shared::kFaceInside)
-            entry = {hit.path, hit.height, hit.face, smooth_normal(dag, ray, hit)};
-        return entry.normal;
-    }
-
-private:
-    struct Entry {
-        uvec3 path{0};
-        int height = 0;
-        int face = shared::kFaceNone;
-        vec3 normal{0.0f};
-    };
-    std::vector<Entry> entries_ = std::vector<Entry>(4096);
-};
 
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };

@@ -51,6 +51,12 @@ public:
         return true;
     }
 
+    /// The scene's triangle that this is, or is a clipped piece of.
+    [[nodiscard]] std::size_t scene_triangle(std::size_t triangle) const {
+        const std::size_t count = scene_triangles_.size();
+        return triangle < count ? triangle : clipped_from_[triangle - count];
+    }
+
     [[nodiscard]] int fraction_bits() const { return fraction_bits_; }
     [[nodiscard]] const ivec3& base() const { return base_; }
 
@@ -72,6 +78,7 @@ private:
     std::span<const uvec3> scene_triangles_;
     std::vector<FixedPoint> points_;
     std::vector<std::array<FixedPoint, 3>> clipped_;
+    std::vector<std::size_t> clipped_from_;
     std::uint64_t degenerate_ = 0;
     std::uint64_t non_finite_ = 0;
 };
