@@ -212,9 +212,19 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise a tenth of the scene")
+                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    command
+        .add_option_function<double>(
+            "--ao-cone",
+            [&arguments](double degrees) {
+                arguments.options.ao_cone = degrees * kRadiansPerDegree;
+            },
+            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
+            "there is much detail; 0: never")
+        ->type_name("DEGREES")
+        ->check(within(0.0, 90.0));
     command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
         ->type_name("STOPS")
         ->check(within(-32.0, 32.0));
