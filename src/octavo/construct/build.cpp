@@ -29,15 +29,16 @@ int choose_tile_depth(const BuildOptions& options, int depth) {
 /// A number that differs where anything does that decides the result or the order of its tiles.
 std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
                      const TriangleSource& source) {
-    constexpr std::uint64_t kJournalVersion = 1;
+    constexpr std::uint64_t kJournalVersion = 2;
     struct {
-        std::uint64_t version, positions, triangles;
+        std::uint64_t version, positions, triangles, holes;
         double origin[3], voxel_size;
         std::int64_t depth, tile_depth, rule;
     } const identity = {
         kJournalVersion,
         XXH3_64bits(scene.positions.data(), scene.positions.size() * sizeof(scene.positions[0])),
         XXH3_64bits(scene.triangles.data(), scene.triangles.size() * sizeof(scene.triangles[0])),
+        source.cut_outs().hash(),
         {grid.origin.x, grid.origin.y, grid.origin.z},
         grid.voxel_size,
         grid.depth,

@@ -134,6 +134,8 @@ private:
         std::size_t pixel;
         vec3 normal;
         vec3 lamp;  // its light, where nothing is in the way
+        vec3 albedo;
+        vec3 emission;
         std::size_t sky_group;
         std::size_t lamp_group;
         int sky_rays = 0;
@@ -238,8 +240,20 @@ private:
                 face = shared::kFaceNone;
         }
 
-        Waiting w{k, normal, vec3(0.0f), tile.sky_queue.begin_group(),
+        Waiting w{k,
+                  normal,
+                  vec3(0.0f),
+                  kClay,
+                  vec3(0.0f),
+                  tile.sky_queue.begin_group(),
                   tile.lamp_queue.begin_group()};
+        if (options_.attributes) {
+            const Attributes& looks = *options_.attributes;
+            const int level = whole_dag_.depth() - hit.height;
+            if (const auto color = looks.color(hit.path, level, -ray.dir))
+                w.albedo = linear_from_srgb8(*color);
+            w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
+        }
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
@@ -273,7 +287,7 @@ private:
         const vec3 ambient = part(tile.sky_queue.seen(w.sky_group), w.sky_rays) *
                              glm::mix(kGroundLight, kSkyLight, facing_up);
         const vec3 direct = part(tile.lamp_queue.seen(w.lamp_group), w.lamp_rays) * w.lamp;
-        return kClay * (ambient + direct);
+        return w.albedo * (ambient + direct) + w.emission;
     }
 
     /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
