@@ -46,8 +46,12 @@ void Machines::run(const std::function<void()>& work) {
     }
 }
 
-BuildResult Machines::build(Scene& scene, const BuildOptions& options) {
-    if (count() == 1) return build_and_release(scene, options);
+BuildResult Machines::build_and_release(Scene& scene, const BuildOptions& options) {
+    return count() == 1 ? octavo::build_and_release(scene, options) : build(scene, options);
+}
+
+BuildResult Machines::build(const Scene& scene, const BuildOptions& options) {
+    if (count() == 1) return octavo::build(scene, options);
     MpiBuildResult result = build_with_mpi(*mpi_, scene, options);
     sent_bytes_ = result.sent_bytes;
     return std::move(result.built);
@@ -73,8 +77,12 @@ void Machines::run(const std::function<void()>& work) {
     work();
 }
 
-BuildResult Machines::build(Scene& scene, const BuildOptions& options) {
-    return build_and_release(scene, options);
+BuildResult Machines::build(const Scene& scene, const BuildOptions& options) {
+    return octavo::build(scene, options);
+}
+
+BuildResult Machines::build_and_release(Scene& scene, const BuildOptions& options) {
+    return octavo::build_and_release(scene, options);
 }
 
 #endif

@@ -30,8 +30,9 @@ public:
     /// Does the work. Where it fails here, all processes end with its exit code.
     void run(const std::function<void()>& work);
 
-    /// build_and_release, by all processes; the result is the first one's.
-    [[nodiscard]] BuildResult build(Scene& scene, const BuildOptions& options);
+    /// octavo::build and build_and_release, by all processes; the result is the first one's.
+    [[nodiscard]] BuildResult build(const Scene& scene, const BuildOptions& options);
+    [[nodiscard]] BuildResult build_and_release(Scene& scene, const BuildOptions& options);
 
     /// By all processes, in that build.
     [[nodiscard]] std::uint64_t sent_bytes() const { return sent_bytes_; }

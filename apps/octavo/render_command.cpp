@@ -52,6 +52,7 @@ struct RenderArguments {
     bool flat_normals = false;
     bool primary_mesh = false;
     std::filesystem::path dag;
+    bool no_color = false;
     bool force = false;
     bool quiet = false;
 };
@@ -156,6 +157,7 @@ void run_render(RenderArguments& arguments) {
     options.width = static_cast<int>(arguments.size.x);
     options.height = static_cast<int>(arguments.size.y);
     options.smooth_normals = !arguments.flat_normals;
+    if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     options.camera = chosen_camera(arguments, model);
     options.lights = lights_of(arguments, model);
 
@@ -264,6 +266,8 @@ void add_render_command(CLI::App& program) {
                     "acne, more leaves gaps")
         ->type_name("FACTOR")
         ->check(within(0.0, 1000.0));
+    command.add_flag("--no-color", arguments->no_color,
+                     "Clay, even where the file has colours and emission");
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")

@@ -12,6 +12,7 @@
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/mesh/mesh_lamps.h"
+#include "octavo/voxelize/cut_outs.h"
 #include "octavo/voxelize/spilled_triangles.h"
 #include "octavo/voxelize/triangle_source.h"
 
@@ -54,6 +55,8 @@ std::uint64_t triangle_memory(const Scene& scene, int tiles_depth) {
 /// How many bytes of triangles to sort at a time on disk; 0: they have room in memory.
 std::uint64_t triangle_buffer(const Scene& scene, const BuildOptions& options, int tiles_depth) {
     if (options.scratch.empty()) return 0;
+    // A hole is looked up in its texture, so these triangles stay with their scene.
+    if (!CutOuts(scene, Grid()).empty()) return 0;
     if (options.spill.triangle_bytes != 0) return options.spill.triangle_bytes;
     if (options.max_memory_bytes == 0) return 0;
     const std::uint64_t resident = resident_bytes();
@@ -75,21 +78,20 @@ void drop_geometry(Scene& scene) {
 }
 
 /// A number that differs where anything does that decides the result or the order of its tiles.
-std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
-                     int tile_depth) {
-    constexpr std::uint64_t kJournalVersion = 3;
+std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth) {
+    constexpr std::uint64_t kJournalVersion = 4;
     struct {
-        std::uint64_t version, geometry;
+        std::uint64_t version, geometry, holes;
         double origin[3], voxel_size;
         std::int64_t depth, tile_depth, rule;
-    } const identity = {
-        kJournalVersion,
-        scene.geometry_hash(),
-        {grid.origin.x, grid.origin.y, grid.origin.z},
-        grid.voxel_size,
-        grid.depth,
-        tile_depth,
-        static_cast<std::int64_t>(rule)};
+    } const identity = {kJournalVersion,
+                        scene.geometry_hash(),
+                        CutOuts(scene, grid).hash(),
+                        {grid.origin.x, grid.origin.y, grid.origin.z},
+                        grid.voxel_size,
+                        grid.depth,
+                        tile_depth,
+                        static_cast<std::int64_t>(rule)};
     return XXH3_64bits(&identity, sizeof identity);
 }
 
@@ -137,13 +139,12 @@ BuildResult build_from(const Scene& scene, Scene* disposable, const BuildOptions
         const BuildPlan plan = plan_build(scene, options);
         Scratch scratch(options.scratch, plan.key, plan.tile_depth - 2);
         const SortedTriangles sorted = sort_triangles(scene, disposable, plan, options, scratch);
-        Constructed constructed =
-            construct(*sorted.source, plan.grid.depth,
-                      {.max_memory_bytes = options.max_memory_bytes,
-                       .max_store_bytes = options.spill.node_bytes,
-                       .progress = options.progress,
-                       .journal_interval = options.journal_interval},
-                      scratch);
+        Constructed constructed = construct(*sorted.source, plan.grid.depth,
+                                            {.max_memory_bytes = options.max_memory_bytes,
+                                             .max_store_bytes = options.spill.node_bytes,
+                                             .progress = options.progress,
+                                             .journal_interval = options.journal_interval},
+                                            scratch);
         result = {std::move(constructed.dag),
                   std::move(constructed.statistics),
                   plan.grid,

@@ -55,7 +55,8 @@ struct BuildResult {
 
 /// Voxelizes a scene and reduces the voxels to the minimal DAG, tile by tile, without ever holding
 /// the octree ([K13] section 3). The result does not depend on threads, tile, memory cap or the
-/// order of the triangles.
+/// order of the triangles. Textures with alpha make holes only once decode_textures() has been
+/// called.
 ///
 /// Under a cap, triangles and nodes that it leaves no room for go to the scratch folder
 /// (docs/adr/0008-spilling.md). What is counted is the memory that the process has resident, of

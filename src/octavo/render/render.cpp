@@ -106,6 +106,8 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
+        vec3 albedo;
+        vec3 emission;
         std::size_t sky_group;
         std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
@@ -231,7 +233,8 @@ private:
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
-        Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
+        Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
+        if (options_.attributes) look_at_voxel(tile, k, w);
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
@@ -256,6 +259,26 @@ private:
         tile.waiting.push_back(w);
     }
 
+    /// The colour and the emission of what pixel k sees.
+    void look_at_voxel(const Tile& tile, std::size_t k, Waiting& w) const {
+        const Attributes& looks = *options_.attributes;
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) {
+            const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
+                             static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
+            if (const auto cell = looks.cell_at(at)) {
+                w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
+                w.emission = looks.emission(*cell, -ray.dir);
+            }
+            return;
+        }
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        const int level = whole_dag_.depth() - hit.height;
+        if (const auto color = looks.color(hit.path, level, -ray.dir))
+            w.albedo = linear_from_srgb8(*color);
+        w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
+    }
+
     static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,
                                RayQueue& queue) {
         for (int i = some.x; i < some.y && !lamp.dark(); ++i)
@@ -272,7 +295,7 @@ private:
             light +=
                 lamps_[n].light().intensity *
                 (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
-        return shared::clay() * light;
+        return w.albedo * light + w.emission;
     }
 
     const Dag& whole_dag_;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "octavo/attributes/attributes.h"
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
@@ -56,6 +57,8 @@ struct RenderOptions {
                                    // occlusion alone ([K13] section 4)
     double bias = 1.0;             // with `primary`: see VisibilityOptions
     std::uint32_t frame = 0;       // another number gives other noise
+
+    const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 
     int threads = 0;            // 0: all; the picture does not depend on it
     ProgressFunction progress;  // phase "render", in pixels

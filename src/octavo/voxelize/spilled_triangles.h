@@ -13,6 +13,7 @@
 #include "octavo/core/progress.h"
 #include "octavo/core/spill_file.h"
 #include "octavo/mesh/scene.h"
+#include "octavo/voxelize/cut_outs.h"
 #include "octavo/voxelize/fixed_point.h"
 #include "octavo/voxelize/rule.h"
 #include "octavo/voxelize/tile_bitmap.h"
@@ -20,8 +21,8 @@
 
 namespace octavo {
 
-/// A scene's triangles as voxels, as TriangleSource has them, from disk: the scene is not needed any
-/// more once this is made.
+/// A scene's triangles as voxels, as TriangleSource has them, from disk: the scene is not needed
+/// any more once this is made. Not for scenes with cut-outs, whose holes are looked up in textures.
 ///
 /// Each pair of a tile and a triangle that meets it is a record, with the triangle's rounded
 /// corners. Records are sorted by tile as many as fit at a time, and each of these runs is written
@@ -84,6 +85,8 @@ private:
     std::uint64_t end_ = 0;  // of the file
     std::vector<Record> records_;
     FixedMesh::Frame frame_;
+    Scene no_scene_;
+    CutOuts no_holes_{no_scene_, Grid()};
     std::vector<Run> runs_;
     std::vector<std::uint64_t> tiles_;
     std::uint64_t degenerate_ = 0;
