@@ -84,6 +84,7 @@ VoxelRule parse_rule(const std::string& text) {
 }
 
 Scene read_input(const std::string& input) {
+    const EndAtOnce importing;
     if (input.starts_with(kSamplePrefix)) return make_sample(input.substr(kSamplePrefix.size()));
     return load_scene(input);
 }
@@ -215,8 +216,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
                               .file_bytes = std::filesystem::file_size(arguments.output),
                               .compressed = arguments.compress};
     meter.finish();
-    if (arguments.json || !arguments.quiet)
-        print(report_text(arguments, summary, times, machines));
+    if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times, machines));
 }
 
 void run_build(BuildArguments& arguments) {
@@ -258,7 +258,8 @@ void add_build_command(CLI::App& program) {
     command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
-               "Memory that the program may take, like 8G; what has no room spills to disk", "SIZE");
+               "Memory that the program may take, like 8G; what has no room spills to disk",
+               "SIZE");
     command
         .add_option("--scratch", arguments->scratch,
                     "Where to make the folder FILE.scratch, for what a stopped build goes on from "
@@ -274,7 +275,8 @@ void add_build_command(CLI::App& program) {
                      "Compress the DAG: a smaller file that takes longer to open");
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
-    command.add_flag("--json", arguments->json, "Print the statistics as JSON, and progress as a line of JSON a second on "
+    command.add_flag("--json", arguments->json,
+                     "Print the statistics as JSON, and progress as a line of JSON a second on "
                      "standard error: phase, seconds, done, total, voxels, seconds_left");
     command.callback([arguments] { run_build(*arguments); });
 }

@@ -71,8 +71,7 @@ void drop_geometry(Scene& scene) {
 }
 
 /// A number that differs where anything does that decides the result or the order of its tiles.
-std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
-                     int tile_depth) {
+std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth) {
     constexpr std::uint64_t kJournalVersion = 2;
     struct {
         std::uint64_t version, positions, triangles;
@@ -134,13 +133,12 @@ BuildResult build_from(const Scene& scene, Scene* disposable, const BuildOptions
         const BuildPlan plan = plan_build(scene, options);
         Scratch scratch(options.scratch, plan.key, plan.tile_depth - 2);
         const SortedTriangles sorted = sort_triangles(scene, disposable, plan, options, scratch);
-        Constructed constructed =
-            construct(*sorted.source, plan.grid.depth,
-                      {.max_memory_bytes = options.max_memory_bytes,
-                       .max_store_bytes = options.spill.node_bytes,
-                       .progress = options.progress,
-                       .journal_interval = options.journal_interval},
-                      scratch);
+        Constructed constructed = construct(*sorted.source, plan.grid.depth,
+                                            {.max_memory_bytes = options.max_memory_bytes,
+                                             .max_store_bytes = options.spill.node_bytes,
+                                             .progress = options.progress,
+                                             .journal_interval = options.journal_interval},
+                                            scratch);
         result = {std::move(constructed.dag),
                   std::move(constructed.statistics),
                   plan.grid,

@@ -74,9 +74,9 @@ void SpilledTriangles::add_piece(const Scene& scene, std::size_t begin, std::siz
         for (const TileTriangle& pair : pairs) {
             std::array<FixedPoint, 3> c;
             if (!mesh.corners(pair.triangle, c)) continue;
-            records_.push_back({pair.tile,
-                                {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y,
-                                 c[2].z}});
+            records_.push_back(
+                {pair.tile,
+                 {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z}});
             if (records_.size() == max_records_) write_run();
         }
     }
@@ -154,7 +154,8 @@ void SpilledTriangles::voxelize(std::size_t index, std::vector<LeafBlock>& leave
                 std::array<FixedPoint, 3> corners;
                 const std::uint32_t* word = &open.words[low * kRecordWords + 1];
                 for (FixedPoint& corner : corners) {
-                    corner = {static_cast<std::int32_t>(word[0]), static_cast<std::int32_t>(word[1]),
+                    corner = {static_cast<std::int32_t>(word[0]),
+                              static_cast<std::int32_t>(word[1]),
                               static_cast<std::int32_t>(word[2]), 0};
                     word += 3;
                 }

@@ -20,8 +20,8 @@
 
 namespace octavo {
 
-/// A scene's triangles as voxels, as TriangleSource has them, from disk: the scene is not needed any
-/// more once this is made.
+/// A scene's triangles as voxels, as TriangleSource has them, from disk: the scene is not needed
+/// any more once this is made.
 ///
 /// Each pair of a tile and a triangle that meets it is a record, with the triangle's rounded
 /// corners. Records are sorted by tile as many as fit at a time, and each of these runs is written
