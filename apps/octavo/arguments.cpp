@@ -53,6 +53,12 @@ int parse_resolution(const std::string& text) {
     return depth_of_resolution(number);
 }
 
+VoxelRule parse_rule(const std::string& text) {
+    const auto rule = voxel_rule_from_name(text);
+    if (!rule) throw Error(Errc::bad_argument, "'" + text + "' is not conservative or thin");
+    return *rule;
+}
+
 std::uint64_t parse_bytes(const std::string& text) {
     const std::string expected = "a size in bytes, like 512M or 8G";
     std::string_view rest = text;
@@ -86,6 +92,24 @@ std::array<double, 2> parse_angles(const std::string& text) {
     auto angles = parse_numbers<2>(text, "two angles in degrees, like 135,40");
     for (double& angle : angles) angle *= std::numbers::pi / 180.0;
     return angles;
+}
+
+double parse_positive(const std::string& text) {
+    const double number = parse_numbers<1>(text, "a number of 0 or more")[0];
+    if (number < 0.0) refuse(text, "a number of 0 or more");
+    return number;
+}
+
+std::array<double, 2> parse_sides(const std::string& text) {
+    const std::string expected = "width and height, like 2x0.5";
+    std::string_view rest = text;
+    std::array<double, 2> sides{};
+    if (!take_number(rest, sides[0]) || rest.empty() || rest.front() != 'x') refuse(text, expected);
+    rest.remove_prefix(1);
+    if (!take_number(rest, sides[1]) || !rest.empty()) refuse(text, expected);
+    for (const double side : sides)
+        if (!(side > 0.0) || !std::isfinite(side)) refuse(text, expected);
+    return sides;
 }
 
 uvec2 parse_size(const std::string& text) {

@@ -9,12 +9,16 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vec.h"
+#include "octavo/voxelize/rule.h"
 
 /// How the command line writes numbers. All throw Error bad_argument, saying what was expected.
 namespace octavo::cli {
 
 /// "4096", "4K" or "4k" -> 12. @return the depth, 2 to 17
 [[nodiscard]] int parse_resolution(const std::string& text);
+
+/// "conservative" or "thin"
+[[nodiscard]] VoxelRule parse_rule(const std::string& text);
 
 /// "1500000", "512M", "8G", "1.5G": suffixes K, M, G, T of 1024, with an optional "B" or "iB".
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);
@@ -32,8 +36,17 @@ struct RayArgument {
 /// "azimuth,elevation" in degrees. @return radians
 [[nodiscard]] std::array<double, 2> parse_angles(const std::string& text);
 
+/// A number of 0 or more: "0.5"
+[[nodiscard]] double parse_positive(const std::string& text);
+
+/// "2x0.5": width and height, each above 0
+[[nodiscard]] std::array<double, 2> parse_sides(const std::string& text);
+
 /// "1280x720", each 1 to 65536
 [[nodiscard]] uvec2 parse_size(const std::string& text);
+
+inline constexpr const char* kTrustedHelp =
+    "Map the file and check nothing: only for files that you wrote";
 
 /// A validator for numbers in a range, which does not show in the help.
 template <typename Number>

@@ -54,11 +54,9 @@ RaySet primary_rays(const Camera& camera, const Grid& grid, int size) {
     for (int y0 = 0; y0 < size; y0 += kTilePixels)
         for (int x0 = 0; x0 < size; x0 += kTilePixels)
             for (int i = 0; i < kTilePixels * kTilePixels; ++i) {
-                const double x = x0 + i % kTilePixels + 0.5;
-                const double y = y0 + i / kTilePixels + 0.5;
-                set.voxel_rays.push_back(rays.ray(x, y));
+                set.voxel_rays.push_back(rays.ray(x0 + i % kTilePixels, y0 + i / kTilePixels));
                 // Of the same length as a voxel's ray, so that times are comparable.
-                const dvec3 direction = rays.direction(x, y) * grid.voxel_size;
+                const dvec3 direction = dvec3(set.voxel_rays.back().dir) * grid.voxel_size;
                 const dvec3 origin = camera.eye + double(rays.t_before()) * direction;
                 set.triangle_rays.push_back({vec3(origin), 1e30f, vec3(direction)});
             }

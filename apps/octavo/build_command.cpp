@@ -21,10 +21,9 @@
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
-#include "octavo/mesh/load.h"
-#include "octavo/mesh/samples.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "scene_input.h"
 #include "summary.h"
 
 namespace octavo::cli {
@@ -36,8 +35,6 @@ constexpr const char* kExamples =
     "  octavo build sample:city -o city.octv --resolution 32K --max-memory 2G\n"
     "  mpirun -n 4 octavo build scene.glb -o scene.octv --resolution 16K\n"
     "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
-
-constexpr std::string_view kSamplePrefix = "sample:";
 
 struct BuildArguments {
     std::string input;
@@ -77,22 +74,9 @@ struct BuildTimes {
     }
 };
 
-VoxelRule parse_rule(const std::string& text) {
-    const auto rule = voxel_rule_from_name(text);
-    if (!rule) throw Error(Errc::bad_argument, "'" + text + "' is not conservative or thin");
-    return *rule;
-}
-
-Scene read_input(const std::string& input) {
+Scene import_scene(const std::string& input) {
     const EndAtOnce importing;
-    if (input.starts_with(kSamplePrefix)) return make_sample(input.substr(kSamplePrefix.size()));
-    return load_scene(input);
-}
-
-/// What the file remembers of its source: no folder, as that would differ between machines.
-std::string source_name(const std::string& input) {
-    if (input.starts_with(kSamplePrefix)) return input;
-    return std::filesystem::path(input).filename().string();
+    return read_scene(input);
 }
 
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
@@ -193,7 +177,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     Stopwatch watch;
 
     meter.begin_phase("import");
-    Scene scene = read_input(arguments.input);
+    Scene scene = import_scene(arguments.input);
     times.import_seconds = watch.lap();
     throw_if_interrupted();
     meter.finish();

@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
     add_info_command(program);
     add_render_command(program);
     add_query_command(program);
+    add_validate_command(program);
     add_sample_command(program);
     add_bench_command(program);
 

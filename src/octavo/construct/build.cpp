@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <utility>
 
 #include "octavo/construct/build_plan.h"
@@ -10,6 +11,7 @@
 #include "octavo/construct/scratch.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
+#include "octavo/mesh/mesh_lamps.h"
 #include "octavo/voxelize/spilled_triangles.h"
 #include "octavo/voxelize/triangle_source.h"
 
@@ -64,7 +66,9 @@ std::uint64_t triangle_buffer(const Scene& scene, const BuildOptions& options, i
 void drop_geometry(Scene& scene) {
     Scene rest;
     rest.cameras = std::move(scene.cameras);
+    std::vector<Light> glowing = mesh_lamps(scene);
     rest.lights = std::move(scene.lights);
+    std::ranges::move(glowing, std::back_inserter(rest.lights));
     rest.warnings = std::move(scene.warnings);
     scene = std::move(rest);
     trim_memory();
@@ -72,15 +76,14 @@ void drop_geometry(Scene& scene) {
 
 /// A number that differs where anything does that decides the result or the order of its tiles.
 std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth) {
-    constexpr std::uint64_t kJournalVersion = 2;
+    constexpr std::uint64_t kJournalVersion = 3;
     struct {
-        std::uint64_t version, positions, triangles;
+        std::uint64_t version, geometry;
         double origin[3], voxel_size;
         std::int64_t depth, tile_depth, rule;
     } const identity = {
         kJournalVersion,
-        XXH3_64bits(scene.positions.data(), scene.positions.size() * sizeof(scene.positions[0])),
-        XXH3_64bits(scene.triangles.data(), scene.triangles.size() * sizeof(scene.triangles[0])),
+        scene.geometry_hash(),
         {grid.origin.x, grid.origin.y, grid.origin.z},
         grid.voxel_size,
         grid.depth,

@@ -69,7 +69,7 @@ struct BuildResult {
 [[nodiscard]] BuildResult build(const Scene& scene, const BuildOptions& options);
 
 /// The same for a scene that is not needed any more: its triangles, colours and textures are given
-/// back as soon as they are on disk. Cameras and lights stay.
+/// back as soon as they are on disk. Cameras and lights stay, and what glows as lamps (mesh_lamps()).
 [[nodiscard]] BuildResult build_and_release(Scene& scene, const BuildOptions& options);
 
 }  // namespace octavo

@@ -11,6 +11,9 @@ namespace octavo {
 /// The most that it has held so far.
 [[nodiscard]] std::uint64_t peak_resident_bytes();
 
+/// Lets peak_resident_bytes() count anew from what is held now. False where the system cannot.
+bool restart_peak_resident();
+
 /// Gives memory that has been freed back to the system, as far as the allocator holds it.
 void trim_memory();
 

@@ -18,7 +18,8 @@ struct Model {
 };
 
 /// Joins what a build gave with what the scene says. Cameras and lights that are not finite are
-/// left out: they cannot be used, and JSON cannot hold them.
+/// left out: they cannot be used, and JSON cannot hold them. Surfaces that shine become lamps, see
+/// mesh/mesh_lamps.h.
 ///
 /// @param source  the name to remember: of the file, without its folder
 /// @param built   without statistics (a DAG that build() did not make), they are counted

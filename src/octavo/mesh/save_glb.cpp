@@ -4,6 +4,7 @@
 // sizes follow from counts, so the data is streamed once.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -230,10 +231,14 @@ private:
                       {"camera", root_["cameras"].size() - 1},
                       {"matrix", looking(camera.eye, camera.forward, camera.up)}});
         }
-        if (scene_.lights.empty()) return;
+        // glTF has no lamps with an area but emissive triangles, which are there already.
+        std::vector<Light> punctual;
+        std::ranges::copy_if(scene_.lights, std::back_inserter(punctual),
+                             [](const Light& light) { return light.kind <= Light::Kind::spot; });
+        if (punctual.empty()) return;
         use_extension("KHR_lights_punctual");
         json& lights = root_["extensions"]["KHR_lights_punctual"]["lights"];
-        for (const Light& light : scene_.lights) {
+        for (const Light& light : punctual) {
             const vec3& i = light.intensity;
             const float strength = std::max({i.r, i.g, i.b});
             json target{{"name", light.name},
@@ -251,6 +256,10 @@ private:
                     target["spot"] = {{"innerConeAngle", light.inner_angle},
                                       {"outerConeAngle", light.outer_angle}};
                     break;
+                case Light::Kind::disc:
+                case Light::Kind::rectangle:
+                case Light::Kind::mesh:
+                    break;  // not among the punctual ones
             }
             lights.push_back(std::move(target));
             const json reference{{"light", lights.size() - 1}};

@@ -6,6 +6,9 @@
 
 #include <cmath>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace octavo {
 
 Box Scene::bounds() const {
@@ -28,6 +31,13 @@ Box Scene::bounds() const {
             a.extend(b);
             return a;
         });
+}
+
+std::uint64_t Scene::geometry_hash() const {
+    const std::uint64_t of_positions =
+        XXH3_64bits(positions.data(), positions.size() * sizeof(positions[0]));
+    return XXH3_64bits_withSeed(triangles.data(), triangles.size() * sizeof(triangles[0]),
+                                of_positions);
 }
 
 }  // namespace octavo

@@ -17,6 +17,9 @@ constexpr double kFarthest = 1 << 29;
 
 constexpr double kTenDegrees = 0.17453292519943295;
 
+/// Four times that of the real sun: its penumbra shows from some metres on, as on a hazy day.
+constexpr double kSunRadius = 0.02;
+
 bool finite(const dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -37,43 +40,30 @@ dvec3 checked_up(const dvec3& up) {
 }  // namespace
 
 PixelRays::PixelRays(const Camera& camera, const Grid& grid, int width, int height)
-    : forward_(glm::normalize(camera.forward)),
-      right_(glm::normalize(glm::cross(forward_, camera.up))),
-      up_(glm::cross(right_, forward_)),
-      eye_(grid.to_grid(camera.eye)),
-      pitch_(2.0 * std::tan(0.5 * camera.vertical_fov) / height),
-      half_width_(0.5 * width * pitch_),
-      half_height_(0.5 * height * pitch_) {
+    : pitch_(2.0 * std::tan(0.5 * camera.vertical_fov) / height) {
+    const dvec3 forward = glm::normalize(camera.forward);
+    const dvec3 right = glm::normalize(glm::cross(forward, camera.up));
+    const dvec3 up = glm::cross(right, forward);
+    dvec3 start = grid.to_grid(camera.eye);
+
     const double side = grid.resolution();
-    const dvec3 to_centre = 0.5 * side - eye_;
-    if (glm::length(to_centre) <= kNear) return;
-    t_before_ = std::max(0.0, glm::dot(forward_, to_centre) - side);
-    const double last = glm::length(eye_ + t_before_ * direction(0, 0) - 0.5 * side);
-    sees_nothing_ = !(last < kFarthest);
-}
-
-shared::GridRay PixelRays::ray(double x, double y) const {
-    const dvec3 dir = direction(x, y);
-    const dvec3 origin = eye_ + t_before_ * dir;
-    const dvec3 cell = glm::floor(origin);
-    return {ivec3(cell), vec3(origin - cell), vec3(dir), 0.0f, 1e30f};
-}
-
-std::optional<shared::Bundle> PixelRays::bundle(int x0, int y0, int x1, int y1) const {
-    if (t_before_ > 0.0) return std::nullopt;
-    const shared::GridRay corner = ray(x0, y0);
-    shared::Bundle beam{corner.cell, corner.frac, corner.dir, corner.dir, 0.0f, 1e30f, 0.0f};
-    const ivec2 others[] = {{x1, y0}, {x0, y1}, {x1, y1}};
-    for (const ivec2& at : others) {
-        const vec3 dir(direction(at.x, at.y));
-        beam.dir_low = glm::min(beam.dir_low, dir);
-        beam.dir_high = glm::max(beam.dir_high, dir);
+    double t_before = 0.0;
+    const dvec3 to_centre = 0.5 * side - start;
+    if (glm::length(to_centre) > kNear) {
+        t_before = std::max(0.0, glm::dot(forward, to_centre) - side);
+        start += t_before * forward;
+        const dvec3 to_corner = 0.5 * pitch_ * (double(height) * up - double(width) * right);
+        sees_nothing_ = !(glm::length(start + t_before * to_corner - 0.5 * side) < kFarthest);
     }
-    // Rounding may carry a ray between the corners past them by a little.
-    beam.dir_low -= 1e-6f;
-    beam.dir_high += 1e-6f;
-    beam.spread = static_cast<float>(pitch_ * std::max(x1 - x0, y1 - y0));
-    return beam;
+    // Where nothing is seen its rays are not asked for, and whole numbers need not hold it.
+    const dvec3 cell = sees_nothing_ ? dvec3(0.0) : glm::floor(start);
+    view_.cell = ivec3(cell);
+    view_.frac = vec3(start - cell);
+    view_.forward = vec3(forward);
+    view_.right = vec3(pitch_ * right);
+    view_.down = vec3(-pitch_ * up);
+    view_.centre = 0.5f * vec2(static_cast<float>(width), static_cast<float>(height));
+    view_.t_before = static_cast<float>(t_before);
 }
 
 Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up, double vertical_fov) {
@@ -125,6 +115,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
     sun.direction = -(std::cos(elevation) * (std::sin(azimuth) * x + std::cos(azimuth) * z) +
                       std::sin(elevation) * y);
     sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.2f;
+    sun.size = kSunRadius;
     return sun;
 }
 

@@ -23,26 +23,28 @@ public:
     [[nodiscard]] bool sees_nothing() const { return sees_nothing_; }
 
     /// How far the rays have travelled before their origin, in multiples of their direction.
-    [[nodiscard]] float t_before() const { return static_cast<float>(t_before_); }
+    [[nodiscard]] float t_before() const { return view_.t_before; }
 
     /// Width of a pixel at depth 1.
     [[nodiscard]] float pixel_pitch() const { return static_cast<float>(pitch_); }
 
-    /// The direction of the point (x, y) of the picture in pixels, y downwards; world and grid
-    /// space.
-    [[nodiscard]] dvec3 direction(double x, double y) const {
-        return forward_ + (x * pitch_ - half_width_) * right_ + (half_height_ - y * pitch_) * up_;
+    /// The camera as the shared text wants it. Rays are those of camera_ray().
+    [[nodiscard]] const shared::CameraView& view() const { return view_; }
+
+    [[nodiscard]] shared::GridRay ray(int x, int y) const {
+        return camera_ray(view_, {x, y}, vec2(0.5f));
     }
 
-    [[nodiscard]] shared::GridRay ray(double x, double y) const;
-
-    /// The bundle of all rays through the pixels [x0, x1] x [y0, y1]; none where rays start apart.
-    [[nodiscard]] std::optional<shared::Bundle> bundle(int x0, int y0, int x1, int y1) const;
+    /// The bundle of all rays through the pixels from (x0, y0) to before (x1, y1); none where rays
+    /// start apart.
+    [[nodiscard]] std::optional<shared::Bundle> bundle(int x0, int y0, int x1, int y1) const {
+        if (view_.t_before > 0.0f) return std::nullopt;
+        return camera_bundle(view_, {x0, y0}, {x1, y1});
+    }
 
 private:
-    dvec3 forward_, right_, up_, eye_;  // eye_: grid space
-    double pitch_, half_width_, half_height_;
-    double t_before_ = 0.0;
+    shared::CameraView view_;
+    double pitch_;
     bool sees_nothing_ = false;
 };
 

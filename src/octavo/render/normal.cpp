@@ -143,58 +143,7 @@ void add_faces(const Block& occupied, const Block& space, int radius, const Laye
     }
 }
 
-/// Does this cell hold a voxel? False outside the grid.
-bool cell_exists(const shared::DagView& dag, const ivec3& cell, int height) {
-    const int levels = dag.depth - height;
-    if (glm::any(glm::notEqual(cell >> levels, ivec3(0)))) return false;
-    std::uint32_t word = 0;
-    shared::uvec2 leaf(0);
-    std::uint32_t children = 0;
-    int child = 0;
-    for (int h = dag.depth; h > height; --h) {
-        if (h > 2) {
-            children = dag_load(dag, word) & 255u;
-        } else if (h == 2) {
-            leaf = {dag_load(dag, word), dag_load(dag, word + 1)};
-            children = shared::leaf_children(leaf);
-        } else {
-            children = shared::leaf_voxels(leaf, child);
-        }
-        child = shared::child_number(cell >> (h - 1 - height) & 1);
-        if (!(children >> child & 1u)) return false;
-        if (h > 2) word = shared::load_child(dag, word, 1u << child);
-    }
-    return true;
-}
-
-ivec3 step_across(int face) {
-    ivec3 step(0);
-    step[face / 2] = face % 2 == 1 ? 1 : -1;
-    return step;
-}
-
 }  // namespace
-
-shared::GridHit move_to_open_face(const shared::DagView& dag, const shared::GridRay& ray,
-                                  shared::GridHit hit) noexcept {
-    const ivec3 cell(hit.path);
-    if (hit.height == 0 || hit.face >= shared::kFaceInside ||
-        !cell_exists(dag, cell + step_across(hit.face), hit.height))
-        return hit;
-    float best = 0.0f;
-    for (int face = 0; face < shared::kFaceInside; ++face) {
-        const float towards = -glm::dot(vec3(step_across(face)), ray.dir);
-        if (towards <= best || cell_exists(dag, cell + step_across(face), hit.height)) continue;
-        best = towards;
-        hit.face = face;
-    }
-    return hit;
-}
-
-vec3 face_normal(const shared::GridRay& ray, const shared::GridHit& hit) noexcept {
-    if (hit.face >= shared::kFaceInside) return -glm::normalize(ray.dir);
-    return vec3(step_across(hit.face));
-}
 
 vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
                    const shared::GridHit& hit) noexcept {

@@ -5,19 +5,6 @@
 
 namespace octavo {
 
-/// The unit normal of the face that was hit; against the ray where it starts inside a cell.
-[[nodiscard]] vec3 face_normal(const shared::GridRay& ray, const shared::GridHit& hit) noexcept;
-
-/// The hit, on a face of its cell that open space lies before.
-///
-/// A ray that first stops at larger cells comes through the empty half of one, which it was still
-/// too near to stop at, into the side of the next. That side is inside the surface as the larger
-/// cells draw it, and would show as a dark line; the hit goes to the face that looks most towards
-/// the ray.
-[[nodiscard]] shared::GridHit move_to_open_face(const shared::DagView& dag,
-                                                const shared::GridRay& ray,
-                                                shared::GridHit hit) noexcept;
-
 /// A unit normal of the surface that the voxels stand for.
 ///
 /// Adds up the faces, as vectors, that the cells around the hit turn to the empty space in front of
@@ -25,7 +12,7 @@ namespace octavo {
 /// that is connected to the hit's face counts, the back of a thin wall does not cancel its front.
 /// Nearer cells count more. Cells are as large as the one that was hit.
 ///
-/// Cost: about that of two rays.
+/// Cost: about that of two rays. The bits are those of shared::smooth_normal_32().
 [[nodiscard]] vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
                                  const shared::GridHit& hit) noexcept;
 

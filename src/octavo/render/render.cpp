@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// One pixel: primary rays, a lamp with shadow, and the sky with ambient occlusion, as in [K13]
+// One pixel: primary rays, lamps with shadow, and the sky with ambient occlusion, as in [K13]
 // section 4, on neutral clay.
 #include "octavo/render/render.h"
 
@@ -19,50 +19,14 @@
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
-#include "octavo/render/normal.h"
+#include "octavo/render/normal_cache.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/visibility.h"
 
 namespace octavo {
 namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
-
-/// The smoothed normals of the cells that a thread has met: close to a surface many pixels share
-/// one. A slot holds the last normal that fell on it, which depends on the cell and face alone, so
-/// the picture does not depend on what is found here.
-class NormalCache {
-public:
-    vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
-        const std::uint32_t key = shared::mix_bits(
-            hit.path.x + shared::mix_bits(hit.path.y + shared::mix_bits(hit.path.z)));
-        Entry& entry = entries_[key % entries_.size()];
-        if (entry.face != hit.face || entry.height != hit.height || entry.path != hit.path ||
-            hit.face == shared::kFaceInside)
-            entry = {hit.path, hit.height, hit.face, smooth_normal(dag, ray, hit)};
-        return entry.normal;
-    }
-
-private:
-    struct Entry {
-        uvec3 path{0};
-        int height = 0;
-        int face = shared::kFaceNone;
-        vec3 normal{0.0f};
-    };
-    std::vector<Entry> entries_ = std::vector<Entry>(4096);
-};
-
-const vec3 kClay(0.78f, 0.76f, 0.72f);
-const vec3 kZenith(0.30f, 0.47f, 0.78f);
-const vec3 kHorizon(0.80f, 0.86f, 0.93f);
-const vec3 kGround(0.42f, 0.39f, 0.35f);
-/// The sky's light on a surface that sees all of it, for an albedo of one.
-const vec3 kSkyLight(0.40f, 0.47f, 0.60f);
-const vec3 kGroundLight(0.22f, 0.19f, 0.16f);
-
-/// How far secondary rays of a smoothed surface start above it, in cells: the steps of a slanted
-/// plane are up to one cell high, and its shading must not see them.
-constexpr float kLift = 1.5f;
 
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
@@ -75,8 +39,10 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
-    if (!(o.light_size >= 0.0) || !std::isfinite(o.light_size))
-        refuse("the light's size is negative or not finite");
+    if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
+    for (const Light& light : o.lights.value_or(std::vector<Light>{}))
+        if (!(light.size >= 0.0) || !std::isfinite(light.size))
+            refuse("a light's size is negative or not finite");
 }
 
 /// All that the pixels of one picture have in common.
@@ -88,15 +54,21 @@ public:
           grid_(grid),
           options_(options),
           up_(glm::normalize(options.up)),
-          rays_(checked_camera(dag, grid, options), grid, options.width, options.height),
-          light_(options.light ? *options.light
-                               : default_sun(checked_camera(dag, grid, options), options.up)) {
+          rays_(checked_camera(dag, grid, options), grid, options.width, options.height) {
+        if (options.lights)
+            for (const Light& light : *options.lights) lamps_.emplace_back(light, grid);
+        else
+            lamps_.emplace_back(default_sun(checked_camera(dag, grid, options), options.up), grid);
         const Box bounds = content_bounds(dag, grid);
         const double diagonal = bounds.empty() ? 1.0 : glm::length(bounds.size());
         const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
         ao_radius_ = static_cast<float>(radius / grid.voxel_size);
         ao_stop_.cone = static_cast<float>(options.ao_cone);
-        primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
+        // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
+        primary_stop_.cone =
+            options.level_of_detail
+                ? rays_.pixel_pitch() / std::sqrt(static_cast<float>(options.samples))
+                : 0.0f;
         primary_stop_.time_before = rays_.t_before();
     }
 
@@ -104,12 +76,13 @@ public:
         const int x1 = std::min(x0 + kTile, options_.width);
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
-        if (options_.beam)
+        if (options_.beam && !options_.primary)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
+            if (options_.primary) ask_for_surface(tile);
             if (i == 0) write_depths(tile, image);
             add_samples(tile, i);
         }
@@ -133,9 +106,8 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
-        vec3 lamp;  // its light, where nothing is in the way
         std::size_t sky_group;
-        std::size_t lamp_group;
+        std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
         int lamp_rays = 0;
     };
@@ -154,7 +126,6 @@ private:
                                                        p.options_.frame));
                 }
             sums.resize(pixels.size(), vec3(0.0f));
-            directions.resize(pixels.size());
             rays.resize(pixels.size());
             hits.resize(pixels.size());
         }
@@ -163,9 +134,9 @@ private:
         std::vector<ivec2> pixels;
         std::vector<std::uint32_t> seeds;
         std::vector<vec3> sums;
-        std::vector<dvec3> directions;
         std::vector<shared::GridRay> rays;
         std::vector<shared::GridHit> hits;
+        std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
         RayQueue sky_queue;
         RayQueue lamp_queue;
@@ -176,15 +147,28 @@ private:
             vec2 at(0.5f);
             if (options_.samples > 1)
                 at = shared::sample_2d(static_cast<std::uint32_t>(i), tile.seeds[k] ^ 0x2545f491u);
-            const double x = tile.pixels[k].x + static_cast<double>(at.x);
-            const double y = tile.pixels[k].y + static_cast<double>(at.y);
-            tile.directions[k] = rays_.direction(x, y);
-            tile.rays[k] = rays_.ray(x, y);
+            tile.rays[k] = camera_ray(rays_.view(), tile.pixels[k], at);
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
+        if (!options_.primary && !rays_.sees_nothing() && start < tile.rays[0].t_max)
             trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+    }
+
+    /// Has the rays traced by the caller. A hit then says when, and that there is no face.
+    void ask_for_surface(Tile& tile) const {
+        std::vector<Ray> rays;
+        for (const shared::GridRay& ray : tile.rays)
+            rays.push_back({grid_.to_world(dvec3(ray.cell) + dvec3(ray.frac)),
+                            dvec3(ray.dir) * grid_.voxel_size});
+        tile.surface.assign(rays.size(), {});
+        options_.primary(rays, tile.surface);
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            const SurfaceHit& found = tile.surface[k];
+            if (!std::isfinite(found.t) || !(glm::length(found.normal) > 0.0f)) continue;
+            tile.hits[k].t = static_cast<float>(found.t);
+            tile.hits[k].face = shared::kFaceInside;
+        }
     }
 
     void write_depths(const Tile& tile, Image& image) const {
@@ -203,7 +187,7 @@ private:
         tile.lamp_queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
-                tile.sums[k] += sky(tile.directions[k]);
+                tile.sums[k] += shared::sky_color(tile.rays[k].dir, vec3(up_));
             else
                 send_rays(tile, k, i);
         }
@@ -212,84 +196,83 @@ private:
         for (const Waiting& w : tile.waiting) tile.sums[w.pixel] += shade(w, tile);
     }
 
-    [[nodiscard]] vec3 sky(const dvec3& direction) const {
-        const float height = static_cast<float>(glm::dot(glm::normalize(direction), up_));
-        if (height < 0.0f) return glm::mix(kHorizon, kGround, std::min(1.0f, std::sqrt(-height)));
-        return glm::mix(kHorizon, kZenith, std::min(1.0f, std::pow(height, 0.6f)));
-    }
-
     /// The part of `count` rays for the pixel that sample i shoots: [first, end).
     [[nodiscard]] ivec2 share(int count, int i) const {
         const int each = (count + options_.samples - 1) / options_.samples;
         return {i * each, (i + 1) * each};
     }
 
+    /// Where the secondary rays of pixel k start.
+    [[nodiscard]] shared::SurfacePoint surface_point(Tile& tile, std::size_t k) const {
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) return lifted_point(ray, tile.surface[k], tile.seeds[k]);
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        return options_.smooth_normals
+                   ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), tile.seeds[k])
+                   : flat_point(ray, hit, tile.seeds[k]);
+    }
+
+    [[nodiscard]] shared::SurfacePoint lifted_point(const shared::GridRay& ray,
+                                                    const SurfaceHit& found,
+                                                    std::uint32_t seed) const {
+        const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) + found.t * dvec3(ray.dir);
+        vec3 normal = glm::normalize(found.normal);
+        if (glm::dot(normal, ray.dir) > 0.0f) normal = -normal;
+        const auto start = lifted_start(grid_, grid_.to_world(at), normal, options_.bias);
+        if (!start) return {ray.cell, ray.frac, normal, shared::kFaceNone, seed, 1};
+        return {start->cell, start->frac, normal, shared::kFaceNone, seed, 1};
+    }
+
     /// Queues the rays that say how much light sample i of pixel k gets.
     void send_rays(Tile& tile, std::size_t k, int i) const {
-        const shared::GridRay& ray = tile.rays[k];
-        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const std::uint32_t seed = tile.seeds[k];
-        vec3 normal = face_normal(ray, hit);
-        shared::GridRay start = leave_hit(ray, hit, normal);
-        int face = hit.face;
-        if (options_.smooth_normals) {
-            normal = tile.normals.get(dag_, ray, hit);
-            if (lift(start, kLift * static_cast<float>(1 << hit.height) * normal))
-                face = shared::kFaceNone;
-        }
+        const shared::SurfacePoint point = surface_point(tile, k);
+        const vec3 normal = point.normal;
+        const shared::GridRay start = surface_ray(point);
+        const int face = point.face;
 
-        Waiting w{k, normal, vec3(0.0f), tile.sky_queue.begin_group(),
-                  tile.lamp_queue.begin_group()};
+        Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
                 tile.sky_queue.add(sky_ray(start, face, normal, ao_radius_, n, seed ^ 0x68bc21ebu));
         }
-        SeenLamp lamp =
-            see_lamp(light_, options_.light_size, grid_, dvec3(start.cell) + dvec3(start.frac));
-        const float cosine = glm::dot(normal, glm::normalize(lamp.disc.to_centre));
-        if (cosine > 0.0f && lamp.strength > 0.0f) {
-            w.lamp = light_.intensity * (cosine * lamp.strength * 0.31830989f);
-            if (options_.shadows != Shadows::none) {
-                ivec2 some = share(options_.shadow_samples, i);
-                if (options_.shadows == Shadows::hard) {
-                    lamp.disc.radius = 0.0f;
-                    some = {i, i + 1};
-                }
-                w.lamp_rays = some.y - some.x;
-                queue_lamp_rays(dag_, start, face, lamp.disc, some.x, some.y, seed ^ 0x02e5be93u,
-                                options_.beam, tile.lamp_queue);
-            }
+        const bool soft = options_.shadows == Shadows::soft;
+        const ivec2 some = soft ? share(options_.shadow_samples, i) : ivec2(i, i + 1);
+        w.lamp_rays = some.y - some.x;
+        for (std::size_t n = 0; n < lamps_.size(); ++n) {
+            const std::size_t group = tile.lamp_queue.begin_group();
+            if (n == 0) w.lamp_group = group;
+            const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
+            const std::uint32_t lamp_seed =
+                seed ^ (0x02e5be93u + 0x9e3779b9u * static_cast<std::uint32_t>(n));
+            if (options_.shadows == Shadows::none)
+                add_unshadowed(lamp, some, lamp_seed, tile.lamp_queue);
+            else
+                queue_lamp_rays(dag_, lamp, some.x, some.y, lamp_seed, options_.beam,
+                                tile.lamp_queue);
         }
         tile.waiting.push_back(w);
     }
 
-    [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
-        const auto part = [](int seen, int rays) {
-            return rays == 0 ? 1.0f : static_cast<float>(seen) / static_cast<float>(rays);
-        };
-        const float facing_up = 0.5f + 0.5f * glm::dot(w.normal, vec3(up_));
-        const vec3 ambient = part(tile.sky_queue.seen(w.sky_group), w.sky_rays) *
-                             glm::mix(kGroundLight, kSkyLight, facing_up);
-        const vec3 direct = part(tile.lamp_queue.seen(w.lamp_group), w.lamp_rays) * w.lamp;
-        return kClay * (ambient + direct);
+    static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,
+                               RayQueue& queue) {
+        for (int i = some.x; i < some.y && !lamp.dark(); ++i)
+            queue.add_seen(lamp.ray(i, seed).light);
     }
 
-    /// Moves the start of a ray off its face, as far as it can without ending inside a voxel: in a
-    /// crevice, where the point would be black. False where it cannot.
-    [[nodiscard]] bool lift(shared::GridRay& start, const vec3& way) const {
-        for (const float part : {1.0f, 0.6f, 0.3f}) {
-            shared::GridRay lifted = start;
-            const vec3 frac = start.frac + part * way;
-            lifted.cell += ivec3(glm::floor(frac));
-            lifted.frac = frac - glm::floor(frac);
-            lifted.t_max = 1e-4f;
-            if (trace_any(dag_, lifted, {0, 0.0f, 0.0f})) continue;
-            start = lifted;
-            return true;
-        }
-        return false;
+    [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
+        constexpr float kPerPi = 0.31830989f;
+        const float sky = w.sky_rays == 0
+                              ? 1.0f
+                              : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
+        vec3 light = sky * shared::sky_light(w.normal, vec3(up_));
+        for (std::size_t n = 0; n < lamps_.size(); ++n)
+            light +=
+                lamps_[n].light().intensity *
+                (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
+        return shared::clay() * light;
     }
 
     const Dag& whole_dag_;
@@ -298,7 +281,7 @@ private:
     const RenderOptions& options_;
     dvec3 up_;
     PixelRays rays_;
-    Light light_;
+    std::vector<Lamp> lamps_;
     float ao_radius_ = 0.0f;
     shared::Stop ao_stop_{0, 0.0f, 0.0f};
     shared::Stop primary_stop_{0, 0.0f, 0.0f};

@@ -134,8 +134,10 @@ void FixedMesh::count_and_clip(const Scene& scene, const Grid& grid) {
             clip_to_half_space(polygon, axis, window.low, 1.0);
             clip_to_half_space(polygon, axis, window.high, -1.0);
         }
-        for (std::size_t k = 2; k < polygon.size(); ++k)
+        for (std::size_t k = 2; k < polygon.size(); ++k) {
             clipped_.push_back({round(polygon[0]), round(polygon[k - 1]), round(polygon[k])});
+            clipped_from_.push_back(i);
+        }
     }
 }
 

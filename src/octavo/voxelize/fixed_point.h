@@ -66,6 +66,12 @@ public:
         return true;
     }
 
+    /// The scene's triangle that this is, or is a clipped piece of.
+    [[nodiscard]] std::size_t scene_triangle(std::size_t triangle) const {
+        const std::size_t count = scene_triangles_.size();
+        return triangle < count ? triangle : clipped_from_[triangle - count];
+    }
+
     [[nodiscard]] const Frame& frame() const { return frame_; }
     [[nodiscard]] int fraction_bits() const { return frame_.fraction_bits; }
     [[nodiscard]] const ivec3& base() const { return frame_.base; }
@@ -87,6 +93,7 @@ private:
     std::span<const uvec3> scene_triangles_;
     std::vector<FixedPoint> points_;
     std::vector<std::array<FixedPoint, 3>> clipped_;
+    std::vector<std::size_t> clipped_from_;
     std::uint64_t degenerate_ = 0;
     std::uint64_t non_finite_ = 0;
 };

@@ -71,9 +71,8 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
 
 void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
     TileBitmap& bitmap = bitmaps_.local();
-    const std::span<const TileTriangle> triangles(pairs_.data() + tile_begins_[index],
-                                                  pairs_.data() + tile_begins_[index + 1]);
-    rasterize_tile(mesh_, triangles, morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
+    rasterize_tile(mesh_, triangles(index), morton_decode(tiles_[index]), tile_depth_, rule_,
+                   bitmap);
     bitmap.take(leaves);
 }
 

@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octavo/core/grid.h"
@@ -36,6 +37,11 @@ public:
     void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
+
+    /// The triangles that meet tiles()[index], in no particular order.
+    [[nodiscard]] std::span<const TileTriangle> triangles(std::size_t index) const {
+        return {pairs_.data() + tile_begins_[index], pairs_.data() + tile_begins_[index + 1]};
+    }
 
 private:
     void sort_into_tiles(int grid_depth);
