@@ -116,6 +116,11 @@ void choose_attributes(BuildArguments& arguments) {
                     "--attribute-resolution: it cannot be above the --resolution");
 }
 
+Scene import_scene(const std::string& input) {
+    const EndAtOnce importing;
+    return read_scene(input);
+}
+
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
                         const BuildTimes& times, const Machines& machines) {
     if (arguments.json) {
@@ -220,7 +225,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     Stopwatch watch;
 
     meter.begin_phase("import");
-    Scene scene = read_scene(arguments.input);
+    Scene scene = import_scene(arguments.input);
     with_threads(options.threads, [&] {
         decode_textures(scene, with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
     });

@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
     using namespace octavo::cli;
     try {
         secure_standard_streams();
+        report_full_disks();
         return run(argc, argv);
     } catch (const std::bad_alloc& error) {
         return fail(exit_code(error), "out of memory");

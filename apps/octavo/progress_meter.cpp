@@ -122,8 +122,9 @@ void ProgressMeter::show_json(const Progress& progress, double seconds) {
             line["voxels_per_second"] = static_cast<double>(progress.voxels) / seconds;
     }
     if (progress.total > 0 && progress.done > 0)
-        line["seconds_left"] = seconds / static_cast<double>(progress.done) *
-                               static_cast<double>(progress.total - std::min(progress.total, progress.done));
+        line["seconds_left"] =
+            seconds / static_cast<double>(progress.done) *
+            static_cast<double>(progress.total - std::min(progress.total, progress.done));
     fmt::print(stderr, "{}\n", line.dump());
     std::fflush(stderr);
 }

@@ -9,8 +9,8 @@
 namespace octavo::cli {
 
 /// Shows on standard error how far work has come: a bar where that is a terminal, else a line when
-/// a phase begins and one every so often; or for programs an object of JSON in each line. Also where
-/// work learns of an interrupt.
+/// a phase begins and one every so often; or for programs an object of JSON in each line. Also
+/// where work learns of an interrupt.
 class ProgressMeter {
 public:
     enum class Style {

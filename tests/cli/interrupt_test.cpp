@@ -38,11 +38,11 @@ void kill_until_done(const std::string& options) {
                   "  octavo build h.ply -o killed.octv -r 2K -q --journal-seconds 0.1" +
                       options +
                       " & pid=$!\n"
-                  "  sleep $((tenths / 10)).$((tenths % 10))\n"
-                  "  kill -KILL $pid 2>/dev/null || { wait $pid; break; }\n"
-                  "  wait $pid; test ! -e killed.octv || break\n"
-                  "done 2>/dev/null\n"
-                  "cmp whole.octv killed.octv && ls");
+                      "  sleep $((tenths / 10)).$((tenths % 10))\n"
+                      "  kill -KILL $pid 2>/dev/null || { wait $pid; break; }\n"
+                      "  wait $pid; test ! -e killed.octv || break\n"
+                      "done 2>/dev/null\n"
+                      "cmp whole.octv killed.octv && ls");
     EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     EXPECT_EQ(outcome.out, "h.ply\nkilled.octv\nwhole.octv\n");
 }

@@ -156,14 +156,15 @@ TEST(MergeParts, IsWhatOneStoreWouldHoldWhateverTheMemory) {
         for (std::size_t first = 0; first < leaves.size(); first += kTilesPerPart) {
             NodeStore store(1);
             std::vector<CellNode> roots;
-            const auto piece = std::span(leaves).subspan(
-                first, std::min(kTilesPerPart, leaves.size() - first));
+            const auto piece =
+                std::span(leaves).subspan(first, std::min(kTilesPerPart, leaves.size() - first));
             const PartState state = fill(store, roots, first, piece);
             parts.push_back(PartFile::create(folder / std::to_string(first), kKey, 1));
             parts.back()->append(store, state, roots, true);
         }
         const auto merged = PartFile::create(folder / "merged", kKey, 1);
-        merge_parts(parts, *merged, {.max_bytes = max_bytes, .scratch = folder.path(), .progress = {}});
+        merge_parts(parts, *merged,
+                    {.max_bytes = max_bytes, .scratch = folder.path(), .progress = {}});
 
         NodeStore restored(1);
         merged->restore(restored);

@@ -36,8 +36,8 @@ struct BuildOptions {
     /// to be deleted by delete_scratch().
     bool keep_scratch = false;
 
-    /// How much of each kind is held in memory before it spills to the scratch folder, where this is
-    /// less than what the cap would allow; 0: no limit of its own.
+    /// How much of each kind is held in memory before it spills to the scratch folder, where this
+    /// is less than what the cap would allow; 0: no limit of its own.
     struct Spill {
         std::uint64_t node_bytes = 0;
         std::uint64_t triangle_bytes = 0;
@@ -45,7 +45,7 @@ struct BuildOptions {
 };
 
 struct BuildResult {
-    Dag dag;  // built under a cap, its words may be a mapped temporary file
+    Dag dag;                // built under a cap, its words may be a mapped temporary file
     Statistics statistics;  // of the DAG, counted on the way
     Grid grid;
     std::uint64_t triangles = 0;             // in the scene

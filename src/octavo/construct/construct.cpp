@@ -86,8 +86,7 @@ private:
         builder_.close();
         for (auto& part : builder_.take_closed()) done_.push_back(std::move(part));
         std::ranges::sort(done_, {}, [](const auto& part) { return part->state().first_tile; });
-        const auto merged =
-            merge_into_one(std::move(done_), scratch_, limits_, options_.progress);
+        const auto merged = merge_into_one(std::move(done_), scratch_, limits_, options_.progress);
         return freeze_part(*merged, depth_, scratch_.folder(), options_.progress);
     }
 

@@ -109,9 +109,9 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
     const std::uint64_t triangles_in_tiles =
         16 * scene.positions.size() + 24 * scene.triangles.size();
     const std::uint64_t held = resident_bytes();
-    estimate.peak_bytes = std::max(peak_resident_bytes(), held + triangles_in_tiles +
-                                                              threads * kBytesPerThread +
-                                                              store_bytes(dag_bytes));
+    estimate.peak_bytes =
+        std::max(peak_resident_bytes(),
+                 held + triangles_in_tiles + threads * kBytesPerThread + store_bytes(dag_bytes));
     estimate.least_bytes =
         std::max({import_peak, held + (std::uint64_t{8} << 20),
                   kLeastBytes + threads * kLeastBytesPerThread +

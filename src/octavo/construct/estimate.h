@@ -12,11 +12,11 @@ namespace octavo {
 struct Estimate {
     int depth = 0;
     double seconds = 0.0;
-    std::uint64_t dag_bytes = 0;   // about the size of the file, uncompressed
-    std::uint64_t peak_bytes = 0;  // of memory, for the whole process, where there is no cap
+    std::uint64_t dag_bytes = 0;      // about the size of the file, uncompressed
+    std::uint64_t peak_bytes = 0;     // of memory, for the whole process, where there is no cap
     std::uint64_t least_bytes = 0;    // the least cap that spilling can keep
     std::uint64_t scratch_bytes = 0;  // of disk, if nodes and triangles have to spill
-    double growth = 1.0;           // of dag_bytes with each further level
+    double growth = 1.0;              // of dag_bytes with each further level
 };
 
 /// Estimates a build by doing it twice, at an eighth and a sixteenth of the resolution, and taking

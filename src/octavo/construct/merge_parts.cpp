@@ -41,7 +41,8 @@ public:
 
     void merge() {
         for (height_ = 0; height_ <= out_.top(); ++height_) {
-            ids_ = std::make_unique<SpillFile>(options_.scratch / "ids", SpillFile::Kind::temporary);
+            ids_ =
+                std::make_unique<SpillFile>(options_.scratch / "ids", SpillFile::Kind::temporary);
             ids_end_ = 0;
             id_pieces_.clear();
             merge_level();
@@ -110,9 +111,9 @@ private:
     void merge_in_memory() {
         UniqueNodes merged(kind());
         IdWriter ids(*this);
-        for_each_node(
-            [&](std::uint64_t id, const std::uint32_t* node, int) { ids.put(id, merged.add(node)); },
-            [&] { ids.end_part(); });
+        for_each_node([&](std::uint64_t id, const std::uint32_t* node,
+                          int) { ids.put(id, merged.add(node)); },
+                      [&] { ids.end_part(); });
         WordWriter writer = out_.begin_level();
         writer.put(merged.words().data(), merged.words().size());
         out_.end_level(writer, merged.count());
@@ -302,10 +303,9 @@ std::unique_ptr<PartFile> merge_into_one(std::vector<std::unique_ptr<PartFile>> 
                                          const ProgressFunction& progress) {
     if (parts.size() == 1) return std::move(parts.front());
     auto merged = scratch.make_merged_part();
-    merge_parts(parts, *merged,
-                {.max_bytes = limits.room_to_merge(),
-                 .scratch = scratch.folder(),
-                 .progress = progress});
+    merge_parts(
+        parts, *merged,
+        {.max_bytes = limits.room_to_merge(), .scratch = scratch.folder(), .progress = progress});
     trim_memory();
     return merged;
 }

@@ -119,8 +119,7 @@ Dag NodeStore::freeze(int depth) && {
     for (UniqueNodes& level : levels_) level.drop_table();
 
     std::vector<std::uint64_t> level_words;
-    for (int l = 0; l < depth - 1; ++l)
-        level_words.push_back(level(depth - 2 - l).words().size());
+    for (int l = 0; l < depth - 1; ++l) level_words.push_back(level(depth - 2 - l).words().size());
     std::vector<std::uint64_t> begins = level_begins(level_words);
     const std::uint64_t total = begins.back();
 

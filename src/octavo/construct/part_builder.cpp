@@ -11,7 +11,8 @@
 namespace octavo {
 namespace {
 
-/// Kept free under the cap for what comes at once: tiles that are larger than those before, buffers.
+/// Kept free under the cap for what comes at once: tiles that are larger than those before,
+/// buffers.
 std::uint64_t reserve_below(std::uint64_t cap) {
     return std::clamp<std::uint64_t>(cap / 8, std::uint64_t{6} << 20, std::uint64_t{192} << 20);
 }
@@ -26,11 +27,7 @@ std::uint64_t MemoryLimits::room_to_merge() const {
 
 PartBuilder::PartBuilder(const VoxelSource& source, int depth, Scratch& scratch,
                          const MemoryLimits& limits, std::chrono::milliseconds interval)
-    : source_(source),
-      scratch_(scratch),
-      limits_(limits),
-      interval_(interval),
-      store_(depth - 2) {}
+    : source_(source), scratch_(scratch), limits_(limits), interval_(interval), store_(depth - 2) {}
 
 void PartBuilder::resume(std::unique_ptr<PartFile> part) {
     file_ = std::move(part);
@@ -53,14 +50,16 @@ void PartBuilder::merge(const TilePart& tile) {
 
     if (must_spill()) {
         close();
-    } else if (scratch_.available() && std::chrono::steady_clock::now() - last_write_ >= interval_) {
+    } else if (scratch_.available() &&
+               std::chrono::steady_clock::now() - last_write_ >= interval_) {
         checkpoint();
     }
 }
 
 bool PartBuilder::must_spill() const {
     const std::uint64_t held = store_.memory_bytes();
-    if (limits_.max_store_bytes != 0 && held >= limits_.max_store_bytes) return scratch_.available();
+    if (limits_.max_store_bytes != 0 && held >= limits_.max_store_bytes)
+        return scratch_.available();
     const std::uint64_t cap = limits_.max_resident_bytes;
     if (cap == 0) return false;
     const std::uint64_t resident = resident_bytes();

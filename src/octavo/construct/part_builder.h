@@ -47,7 +47,9 @@ public:
     void close();
 
     /// The parts that have been closed since the last time, in order.
-    [[nodiscard]] std::vector<std::unique_ptr<PartFile>> take_closed() { return std::move(closed_); }
+    [[nodiscard]] std::vector<std::unique_ptr<PartFile>> take_closed() {
+        return std::move(closed_);
+    }
     [[nodiscard]] bool has_closed() const { return !closed_.empty(); }
 
     // What is not closed.

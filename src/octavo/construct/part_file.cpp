@@ -68,8 +68,7 @@ bool PartFile::read_segment(std::uint64_t file_size) {
         return false;
     std::uint64_t bytes = sizeof header + header.roots_bytes;
     for (int h = 0; h <= top_; ++h) bytes += header.levels[h].bytes;
-    if (bytes > file_size - end_ ||
-        !blocks_are_whole(*file_, {end_ + sizeof header, end_ + bytes}))
+    if (bytes > file_size - end_ || !blocks_are_whole(*file_, {end_ + sizeof header, end_ + bytes}))
         return false;
 
     std::uint64_t at = end_ + sizeof header;

@@ -35,9 +35,9 @@ public:
     /// Makes an empty file.
     /// @param key  of everything that decides the result and the order of tiles
     /// @param top  the height of a tile's node
-    static std::unique_ptr<PartFile> create(
-        const std::filesystem::path& path, std::uint64_t key, int top,
-        SpillFile::Kind kind = SpillFile::Kind::lasting);
+    static std::unique_ptr<PartFile> create(const std::filesystem::path& path, std::uint64_t key,
+                                            int top,
+                                            SpillFile::Kind kind = SpillFile::Kind::lasting);
 
     /// A file as it was left, as far as it is whole; null where it has another key or no segment.
     /// Reads all of it. @throws Error io
@@ -61,7 +61,8 @@ public:
     void end_level(WordWriter& writer, std::uint64_t nodes);
     void end_segment(const PartState& state, std::span<const CellNode> roots, bool closed);
 
-    /// Fills an empty store with the nodes. @throws Error bad_input where the file contradicts itself
+    /// Fills an empty store with the nodes. @throws Error bad_input where the file contradicts
+    /// itself
     void restore(NodeStore& store) const;
 
     [[nodiscard]] int top() const { return top_; }
@@ -101,7 +102,7 @@ private:
     std::vector<Level> levels_;
     std::uint64_t root_count_ = 0;
     std::vector<Extent> root_pieces_;
-    std::uint64_t end_ = 0;      // of the last whole segment
+    std::uint64_t end_ = 0;          // of the last whole segment
     std::vector<Level> new_levels_;  // of the segment being written
     std::uint64_t new_end_ = 0;
 };

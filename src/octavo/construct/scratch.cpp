@@ -21,9 +21,9 @@ constexpr const char* kLockName = "lock";
 
 /// Everything that a build puts into its scratch folder; whatever else is there is left alone.
 bool is_ours(const std::string& name) {
-    constexpr std::array<std::string_view, 9> kPrefixes = {
-        kPartPrefix, "ids-", "piece-", "ranks-", "order-", "words-", "triangles-", "merged-",
-        "received-"};
+    constexpr std::array<std::string_view, 9> kPrefixes = {kPartPrefix,  "ids-",    "piece-",
+                                                           "ranks-",     "order-",  "words-",
+                                                           "triangles-", "merged-", "received-"};
     if (name == kLockName) return true;
     return std::ranges::any_of(kPrefixes, [&](auto prefix) { return name.starts_with(prefix); });
 }
@@ -87,7 +87,8 @@ FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key, in
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
         const std::string name = entry.path().filename().string();
         if (name == kLockName || !is_ours(name)) continue;
-        auto part = name.starts_with(kPartPrefix) ? PartFile::open(entry.path(), key, top) : nullptr;
+        auto part =
+            name.starts_with(kPartPrefix) ? PartFile::open(entry.path(), key, top) : nullptr;
         if (part) {
             parts.push_back(std::move(part));
         } else {

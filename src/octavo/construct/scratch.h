@@ -11,8 +11,8 @@
 namespace octavo {
 
 /// The folder in which a build keeps what it has done and what has no room in memory: a lock, and
-/// a file for each part. Made when something is first put there. Files with other names than a build
-/// gives are left alone.
+/// a file for each part. Made when something is first put there. Files with other names than a
+/// build gives are left alone.
 class Scratch {
 public:
     enum class Use {
@@ -63,7 +63,8 @@ struct FoundParts {
     std::vector<std::unique_ptr<PartFile>> parts;
     std::vector<std::filesystem::path> others;
 };
-[[nodiscard]] FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key, int top);
+[[nodiscard]] FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key,
+                                    int top);
 
 /// Where a part belongs.
 [[nodiscard]] std::filesystem::path part_path(const std::filesystem::path& folder,

@@ -46,11 +46,10 @@ void run_tiles(const VoxelSource& source, std::span<const std::size_t> tiles, bo
         return part;
     };
     tbb::parallel_pipeline(
-        in_flight,
-        tbb::make_filter<void, TilePart*>(tbb::filter_mode::serial_in_order, feed) &
-            tbb::make_filter<TilePart*, TilePart*>(tbb::filter_mode::parallel, work) &
-            tbb::make_filter<TilePart*, void>(tbb::filter_mode::serial_in_order,
-                                              [&](TilePart* part) { merge(*part); }));
+        in_flight, tbb::make_filter<void, TilePart*>(tbb::filter_mode::serial_in_order, feed) &
+                       tbb::make_filter<TilePart*, TilePart*>(tbb::filter_mode::parallel, work) &
+                       tbb::make_filter<TilePart*, void>(tbb::filter_mode::serial_in_order,
+                                                         [&](TilePart* part) { merge(*part); }));
 }
 
 }  // namespace octavo

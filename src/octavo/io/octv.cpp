@@ -327,6 +327,8 @@ void write_octv(const std::filesystem::path& path, const Model& model,
         throw Error(Errc::limit, path, "the scene's cameras and lights take more than 16 MiB");
 
     AtomicFile file(path);
+    if (!options.compress)
+        file.reserve(kPageBytes + round_up_to_page(json.size()) + model.dag.size_bytes());
     SectionWriter writer(file);
     writer.begin(kMetadataSection, kRequired, json.size());
     writer.append(std::as_bytes(std::span(json)));

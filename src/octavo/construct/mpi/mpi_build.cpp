@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Source: [K13] section 3: subtrees are reduced on their own and merged; here by different machines.
+// Source: [K13] section 3: subtrees are reduced on their own and merged; here by different
+// machines.
 #include "octavo/construct/mpi/mpi_build.h"
 
 #include <algorithm>
@@ -95,7 +96,8 @@ std::vector<TileRange> cut_into_runs(std::uint64_t tiles, const std::vector<Tile
     std::vector<TileRange> runs;
     std::uint64_t next = 0;
     const auto fill_to = [&](std::uint64_t end) {
-        for (; next < end; next = runs.back().end) runs.push_back({next, std::min(end, next + size)});
+        for (; next < end; next = runs.back().end)
+            runs.push_back({next, std::min(end, next + size)});
     };
     for (const TileRange& range : done) {
         fill_to(range.begin);
@@ -300,8 +302,8 @@ private:
         std::uint64_t size = 0;
         mpi_.receive(from, kPartSize, &size, sizeof size);
         if (size == 0) return nullptr;
-        auto file = std::make_shared<SpillFile>(scratch_.folder() / "received",
-                                                SpillFile::Kind::temporary);
+        auto file =
+            std::make_shared<SpillFile>(scratch_.folder() / "received", SpillFile::Kind::temporary);
         std::vector<char> buffer(std::min(kMessageBytes, size));
         for (std::uint64_t done = 0; done < size;) {
             const std::uint64_t count = std::min<std::uint64_t>(buffer.size(), size - done);
@@ -351,8 +353,8 @@ MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOp
     with_threads(options.threads, [&] {
         BuildPlan plan = plan_build(scene, options);
         // Machines may differ in what they would choose.
-        const auto plans = mpi.gather_everywhere(
-            {static_cast<std::uint64_t>(plan.tile_depth), plan.key});
+        const auto plans =
+            mpi.gather_everywhere({static_cast<std::uint64_t>(plan.tile_depth), plan.key});
         BuildOptions agreed = options;
         agreed.tile = 1u << plans[0][0];
         plan = plan_build(scene, agreed);
@@ -368,8 +370,11 @@ MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOp
         mpi.while_waiting = nullptr;
         for (const auto& sent : mpi.gather_everywhere({mpi.sent_bytes()}))
             result.sent_bytes += sent[0];
-        result.built = {std::move(constructed.dag), std::move(constructed.statistics), plan.grid,
-                        sorted.count,               sorted.degenerate,
+        result.built = {std::move(constructed.dag),
+                        std::move(constructed.statistics),
+                        plan.grid,
+                        sorted.count,
+                        sorted.degenerate,
                         sorted.non_finite};
         if (mpi.rank() == 0 && !options.keep_scratch) scratch.remove();
     });

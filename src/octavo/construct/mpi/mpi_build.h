@@ -14,9 +14,10 @@ struct MpiBuildResult {
 /// build() by all ranks of an mpirun together; each calls this with the same scene and options, and
 /// rank 0 gets the result: the same words as from one process.
 ///
-/// Rank 0 hands out runs of tiles as ranks become free. A rank makes parts of them (see PartFile) in
-/// its scratch folder. Then each rank receives the parts of one stretch of the tiles, merges them in
-/// order, and neighbours merge pairwise until rank 0 has all; docs/adr/0009-many-machines.md.
+/// Rank 0 hands out runs of tiles as ranks become free. A rank makes parts of them (see PartFile)
+/// in its scratch folder. Then each rank receives the parts of one stretch of the tiles, merges
+/// them in order, and neighbours merge pairwise until rank 0 has all;
+/// docs/adr/0009-many-machines.md.
 ///
 /// @param options  scratch is not empty; where ranks see the same folder, a job that has died goes
 ///                 on from it with any number of ranks. max_memory_bytes is for each rank

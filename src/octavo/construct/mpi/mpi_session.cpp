@@ -55,8 +55,7 @@ void MpiSession::abort(int exit_code) {
     std::_Exit(exit_code);
 }
 
-void MpiSession::send(int to, int tag, const void* bytes, std::size_t size,
-                      Waiting waiting) {
+void MpiSession::send(int to, int tag, const void* bytes, std::size_t size, Waiting waiting) {
     MPI_Request request;
     MPI_Isend(bytes, static_cast<int>(size), MPI_BYTE, to, tag, MPI_COMM_WORLD, &request);
     wait(request, waiting == Waiting::open ? while_waiting : nullptr);
