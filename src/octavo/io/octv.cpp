@@ -71,13 +71,16 @@ void write_dag(SectionWriter& writer, const Dag& dag, const OctvWriteOptions& op
     for (std::size_t done = 0; !compress && done < raw.size();) {
         const std::size_t count = std::min(kWriteBytes, raw.size() - done);
         writer.append(raw.subspan(done, count));
+        dag.release(done / sizeof(std::uint32_t), count / sizeof(std::uint32_t));
         done += count;
         report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
     }
     if (compress) {
         zstd_compress(
             raw, [&](std::span<const std::byte> piece) { writer.append(piece); },
-            [&](std::uint64_t done) {
+            [&, released = std::uint64_t{0}](std::uint64_t done) mutable {
+                dag.release(released, done / sizeof(std::uint32_t) - released);
+                released = done / sizeof(std::uint32_t);
                 report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
             });
     }
