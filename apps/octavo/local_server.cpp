@@ -242,13 +242,16 @@ void LocalServer::clip_ranges(httplib::Request& request) const {
 bool LocalServer::is_own_host(const httplib::Request& request) const {
     if (request.get_header_value_count("Host") != 1) return false;
     const std::string host = request.get_header_value("Host");
-    const std::string port = ":" + std::to_string(port_);
-    return host == "127.0.0.1" + port || host == "localhost" + port;
+    const std::string port = std::to_string(port_);
+    const std::size_t colon = host.find(':');
+    if (colon == std::string::npos || host.substr(colon + 1) != port) return false;
+    const std::string name = host.substr(0, colon);
+    return name == "127.0.0.1" || name == "localhost";
 }
 
 LocalServer::HandlerResponse LocalServer::refuse(httplib::Response& response, int status) const {
     response.status = status;
-    response.set_content(httplib::detail::status_message(status), "text/plain");
+    response.set_content("refused\n", "text/plain");
     current.close = true;
     return HandlerResponse::Handled;
 }
