@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The page: one scene, where the viewer stands, what is asked for, and who draws it.
-import { readConfig, takeInlineScene } from './config';
+import { type Config, readConfig, takeInlineScene } from './config';
 import { Engine, type Plan } from './gl/engine';
 import { Renderer, type Shot } from './gl/renderer';
 import type { CellBox } from './octv/content_bounds';
@@ -9,6 +9,7 @@ import type { FaultKind } from './octv/errors';
 import type { Metadata } from './octv/metadata';
 import { levelsThatFit } from './octv/reader';
 import type { Origin, Report } from './octv/worker';
+import { RemotePainter } from './remote_painter';
 import { SceneLoader } from './scene_loader';
 import { byId, fillFacts } from './ui/dom';
 import { megabytes, rounded, shortCount, worldNumber } from './ui/numbers';
@@ -47,6 +48,8 @@ export class App {
     private opened: { name: string; origin: Origin } | undefined;
     private renderer: Renderer | undefined;
     private engine: Engine | undefined;
+    private config: Config | undefined;
+    private painter: RemotePainter | undefined; // draws instead of this machine's GPU
     private linkTimer = 0;
     private toastTimer = 0;
     private shownStatistics = 0;
@@ -65,8 +68,8 @@ export class App {
             sceneSize: () => this.sceneSize,
             voxelSize: () => this.scene?.metadata.grid.voxelSize ?? 1,
             moveTo: (camera) => this.moveTo(camera),
-            click: (x, y) => this.showVoxel(x, y),
-            doubleClick: (x, y) => this.focusOn(x, y),
+            click: (x, y) => void this.showVoxel(x, y),
+            doubleClick: (x, y) => void this.focusOn(x, y),
             speedChanged: (speed) => this.toast(`Speed ${rounded(speed)} units a second`),
         });
         this.bindButtons();
@@ -76,7 +79,9 @@ export class App {
         window.addEventListener('hashchange', () => this.followLink());
         new ResizeObserver(() => this.resize()).observe(this.canvas);
         this.resize();
-        this.startGraphics();
+        this.config = readConfig();
+        if (this.config?.render) this.startPainter(this.config.render);
+        else this.startGraphics();
         this.panel.offer(this.offers());
         this.openConfigured();
     }
@@ -84,7 +89,7 @@ export class App {
     // ---- the scene ----
 
     private openConfigured(): void {
-        const config = readConfig();
+        const { config } = this;
         if (!config) {
             this.notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
             return;
@@ -114,7 +119,7 @@ export class App {
 
     private load(): void {
         const { name, origin } = this.opened!;
-        this.loader = new SceneLoader(origin, this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
+        this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
     }
 
     private hear(name: string, origin: Origin, report: Report): void {
@@ -166,9 +171,13 @@ export class App {
             this.cameraIsOurs = !link.camera;
             if (!link.camera && metadata.words === 0) this.learnBounds(undefined);
         }
+        if (this.painter) {
+            this.scene.box = this.config!.render!;
+            if (this.cameraIsOurs) this.placeCamera();
+        }
         this.panel.show(this.settings);
         this.panel.offer(this.offers());
-        if (metadata.words > 0 && levelsWanted === 0) {
+        if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
     }
@@ -272,6 +281,36 @@ export class App {
         });
     }
 
+    private startPainter(render: NonNullable<Config['render']>): void {
+        const here = (path: string): string => new URL(path, location.href).href;
+        const image = byId<HTMLImageElement>('remote');
+        image.hidden = false;
+        byId('open-file').hidden = true;
+        this.painter = new RemotePainter(image, here(render.url), here(render.pick), () => this.showStatistics(), (message) => this.fault('unreachable', message));
+    }
+
+    private askPainter(scene: Scene, camera: Camera): void {
+        const { settings, axes } = this;
+        const radians = Math.PI / 180;
+        this.painter!.ask({
+            width: Math.min(4096, this.canvas.width),
+            height: Math.min(4096, this.canvas.height),
+            eye: camera.eye,
+            forward: forwardOf(camera, axes),
+            up: axes.y,
+            fov: camera.verticalFov,
+            shadows: settings.shadows,
+            ambient: settings.ambient,
+            reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
+            smooth: settings.smooth,
+            light: settings.light,
+            azimuth: settings.sunAzimuth * radians,
+            elevation: settings.sunElevation * radians,
+            size: settings.sunSize * radians,
+            exposure: settings.exposure,
+        });
+    }
+
     private makeRenderer(gl: WebGL2RenderingContext): void {
         this.renderer = new Renderer(gl);
         this.engine = new Engine(gl, this.renderer, () => this.showStatistics());
@@ -280,12 +319,15 @@ export class App {
     private redraw(): void {
         const { scene, camera, engine } = this;
         this.canvas.dataset.state = 'drawing';
-        if (!scene?.box || !camera || !engine) return;
+        if (!scene?.box || !camera) return;
+        if (this.painter) return this.askPainter(scene, camera);
+        if (!engine) return;
         engine.change({
             shot: this.shot(scene, camera),
             exposure: this.settings.exposure,
             toneMapped: this.settings.mode === 'shaded',
             restScale: this.settings.scale / 100,
+            samples: this.settings.samples,
         } satisfies Plan);
     }
 
@@ -378,7 +420,7 @@ export class App {
             this.load();
         }
         if (before.light !== settings.light) this.panel.offer(this.offers());
-        if (onlyLook(before, settings)) this.engine?.changeLook(settings.exposure, settings.mode === 'shaded');
+        if (this.engine && onlyLook(before, settings)) this.engine.changeLook(settings.exposure, settings.mode === 'shaded');
         else this.redraw();
         this.rememberLink();
     }
@@ -388,26 +430,32 @@ export class App {
         const usable = metadata ? usableLights(metadata) : [];
         const chosen = usable.includes(this.settings.light) ? metadata!.lights[this.settings.light] : undefined;
         return {
-            modes: kModes,
+            modes: this.painter ? ['shaded'] : kModes,
             cameras: metadata?.cameras.map((camera, i) => camera.name || `Camera ${i + 1}`) ?? [],
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
             sunLight: !chosen,
-            anySun: !chosen || chosen.kind === 'sun',
-            gpu: true,
+            gpu: !this.painter,
         };
     }
 
     // ---- voxels ----
 
-    private pick(x: number, y: number): { point: Vec3; facts: [string, string][] } | undefined {
-        const { scene, camera, renderer } = this;
-        if (!scene?.box || !camera || !renderer?.ready) return undefined;
+    private async pick(x: number, y: number): Promise<{ point: Vec3; facts: [string, string][] } | undefined> {
+        const { scene, camera, renderer, painter } = this;
+        if (!scene?.box || !camera) return undefined;
         const { width, height } = this.canvas;
-        const shot = this.shot(scene, camera);
         const toPixels = width / this.canvas.clientWidth;
-        const found = renderer.pick(shot, width, height, x * toPixels, y * toPixels);
+        let found: { path: Vec3; height: number; face: number } | undefined;
+        if (painter) {
+            const view = cameraUniforms(camera, this.axes, scene.metadata.grid, width, height);
+            const across = scale(x * toPixels - width / 2, view.right);
+            const below = scale(y * toPixels - height / 2, view.down);
+            found = await painter.pick(camera.eye, add(view.forward, add(across, below)));
+        } else if (renderer?.ready) {
+            found = renderer.pick(this.shot(scene, camera), width, height, x * toPixels, y * toPixels);
+        }
         if (!found) return undefined;
         const { grid } = scene.metadata;
         const size = 2 ** found.height * grid.voxelSize;
@@ -429,20 +477,20 @@ export class App {
         };
     }
 
-    private showVoxel(x: number, y: number): void {
-        const found = this.pick(x, y);
+    private async showVoxel(x: number, y: number): Promise<void> {
+        const found = await this.pick(x, y);
         byId('voxel').hidden = !found;
         if (found) fillFacts(byId('voxel-facts'), found.facts);
     }
 
-    private focusOn(x: number, y: number): void {
-        const found = this.pick(x, y);
+    private async focusOn(x: number, y: number): Promise<void> {
+        const found = await this.pick(x, y);
         if (!found || !this.camera) return;
         // The view direction stays; the eye moves aside until the voxel is in the middle.
         const forward = forwardOf(this.camera, this.axes);
         const distance = length(sub(found.point, this.camera.eye));
         this.moveTo({ ...this.camera, distance, eye: sub(found.point, scale(distance, forward)) });
-        this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+        await this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
     }
 
     // ---- links, pictures, buttons ----
@@ -487,7 +535,7 @@ export class App {
     private savePicture(): void {
         const name = `${(this.scene?.name ?? 'octavo').replace(/\.octv$/, '')}.png`;
         this.engine?.presentNow();
-        this.canvas.toBlob((blob) => {
+        const save = (blob: Blob | null | undefined): void => {
             if (!blob) return this.toast('The picture could not be made');
             const link = document.createElement('a');
             link.href = URL.createObjectURL(blob);
@@ -495,7 +543,9 @@ export class App {
             link.click();
             setTimeout(() => URL.revokeObjectURL(link.href), 10000);
             this.toast(`Saved ${name}`);
-        });
+        };
+        if (this.painter) save(this.painter.picture);
+        else this.canvas.toBlob(save);
     }
 
     private bindButtons(): void {
@@ -543,6 +593,7 @@ export class App {
             event.preventDefault();
             drop.hidden = !shown;
         };
+        if (readConfig()?.render) return; // the other machine has its own file
         window.addEventListener('dragover', (event) => show(event, true));
         window.addEventListener('dragleave', (event) => show(event, event.relatedTarget !== null));
         window.addEventListener('drop', (event) => {
@@ -590,7 +641,13 @@ export class App {
     }
 
     private showStatistics(): void {
-        const { engine, scene, renderer } = this;
+        const { engine, scene, renderer, painter } = this;
+        if (painter && scene) {
+            this.canvas.dataset.state = painter.finished ? 'finished' : 'drawing';
+            this.canvas.dataset.samples = String(painter.frames);
+            const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 3`;
+            return fillFacts(byId('statistics'), [['Drawn by', 'octavo, on the other machine'], ['Picture', sharpness], ...this.sceneFacts(scene)]);
+        }
         if (!engine || !scene || !renderer) return;
         const now = performance.now();
         const finished = engine.finished && scene.done;
@@ -599,20 +656,25 @@ export class App {
         this.shownStatistics = now;
         const s = engine.statistics;
         this.canvas.dataset.samples = String(s.samples);
-        const { metadata } = scene;
-        const resolution = 2 ** metadata.grid.depth;
         fillFacts(byId('statistics'), [
             ['Rays', s.raysPerSecond > 0 ? `${shortCount(s.raysPerSecond)} a second` : 'at rest'],
             ['Picture', `${s.width} × ${s.height}, ${s.samples} ${s.samples === 1 ? 'sample' : 'samples'}`],
             ['Frames', s.framesPerSecond > 0 ? `${s.framesPerSecond} a second` : 'at rest'],
             ['GPU memory', `${megabytes(renderer.words?.bytes ?? 0)} scene, ${megabytes(s.bytes)} pictures`],
+            ...this.sceneFacts(scene),
+            ['GPU', renderer.name],
+        ]);
+    }
+
+    private sceneFacts({ metadata }: Scene): [string, string][] {
+        const resolution = 2 ** metadata.grid.depth;
+        return [
             ['Resolution', `${resolution} × ${resolution} × ${resolution}`],
             ['Voxels', metadata.voxels.toLocaleString('en')],
             ['Triangles', metadata.triangles.toLocaleString('en')],
             ['DAG', megabytes(4 * metadata.words)],
             ['Bits a voxel', metadata.voxels > 0 ? rounded((32 * metadata.words) / metadata.voxels) : '0'],
-            ['GPU', renderer.name],
-        ]);
+        ];
     }
 
     private notice(title: string, text: string, help = ''): void {
