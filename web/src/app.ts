@@ -14,7 +14,7 @@ import { SceneLoader } from './scene_loader';
 import { byId, fillFacts } from './ui/dom';
 import { megabytes, rounded, shortCount, worldNumber } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
-import { type Axes, type Box, type Camera, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
+import { type Axes, type Box, type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { lampOf, storedLight, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
@@ -164,7 +164,7 @@ export class App {
             const light = storedLight(metadata);
             // Smoothing takes a GPU; without one faces are quick, and the control is there.
             const smooth = kDefaults.smooth && !this.renderer?.software;
-            this.base = { ...kDefaults, light, smooth, finestLevel: depth };
+            this.base = { ...kDefaults, ...this.storedSun(metadata, light), light, smooth, finestLevel: depth };
             const link = readLink(location.hash);
             this.settings = { ...this.base, ...link.settings, memory: this.settings.memory };
             this.camera = link.camera;
@@ -180,6 +180,15 @@ export class App {
         if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
+    }
+
+    /** Where the file's sun stands, so that turning it begins there. */
+    private storedSun(metadata: Metadata, light: number): Partial<Settings> {
+        const stored = metadata.lights[light];
+        if (stored?.kind !== 'sun') return {};
+        const angles = anglesOf(this.axes, scale(-1, stored.direction));
+        const degrees = 180 / Math.PI;
+        return { sunAzimuth: Math.round(angles.azimuth * degrees), sunElevation: Math.round(angles.elevation * degrees) };
     }
 
     /** Takes room for as many levels as fit. @returns their number */
@@ -209,7 +218,7 @@ export class App {
         this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.aspect);
         if (stored) this.panel.showCamera(0);
         const link = readLink(location.hash).settings;
-        if (link.sunAzimuth === undefined) {
+        if (link.sunAzimuth === undefined && this.settings.light === -1) {
             const behind = this.camera.azimuth + Math.PI;
             const azimuth = Math.round((behind * 180) / Math.PI - 55);
             this.settings = { ...this.settings, sunAzimuth: ((azimuth + 540) % 360) - 180 };
@@ -410,6 +419,12 @@ export class App {
 
     private changeSettings(settings: Settings): void {
         const before = this.settings;
+        const turned = (['sunAzimuth', 'sunElevation', 'sunSize'] as const).some((key) => before[key] !== settings[key]);
+        // A sun of the file that is turned is the viewer's own from there on.
+        if (turned && settings.light !== -1) {
+            settings = { ...settings, light: -1 };
+            this.panel.show(settings);
+        }
         this.settings = settings;
         if (before.up !== settings.up && this.scene?.box) {
             this.camera = defaultCamera(this.scene.box, this.axes, this.aspect);
@@ -435,7 +450,7 @@ export class App {
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
-            sunLight: !chosen,
+            sunLight: !chosen || chosen.kind === 'sun',
             gpu: !this.painter,
         };
     }

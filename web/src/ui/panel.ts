@@ -132,6 +132,8 @@ export class Panel {
     private bindSlider(key: Sliders): void {
         const input = byId<HTMLInputElement>(key);
         const range = kRanges[key];
+        // An output can have a label as well, and would take this one.
+        input.closest('label')!.htmlFor = key;
         input.min = String(range.least);
         input.max = String(range.most);
         input.step = String(range.step);

@@ -58,6 +58,6 @@ export const kRanges = {
     finestLevel: { least: 1, most: 17, step: 1 },
     scale: { least: 25, most: 100, step: 5 },
     samples: { least: 1, most: 1024, step: 1 },
-    memory: { least: 0.01, most: 16384, step: 0.01 },
+    memory: { least: 0.001, most: 16384, step: 0.001 },
 } as const;
 export type NumberSetting = keyof typeof kRanges;

@@ -10,8 +10,8 @@ beforeAll(startBrowser);
 afterEach(closePages);
 afterAll(stopBrowser);
 
-const kCamera = { eye: [12, 9, 16], azimuth: -143.13, elevation: -20, distance: 20 };
-const kLook = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45&sun=-30&height=50`;
+const kCamera = { eye: [-14.1, 2.7, 1.8], azimuth: 100.2, elevation: 2, distance: 20 }; // in the court
+const kLook = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45&light=-1&sun=-30&height=50`;
 
 async function shown(fragment = quick): Promise<Opened> {
     const opened = await open(`${await view(courtyard())}#${fragment}`);
@@ -33,9 +33,9 @@ const link = async (page: Page): Promise<string> => {
 describe('the picture', () => {
     // The same rays with the same random numbers: only sin, cos and pow may round differently.
     it.each([
-        ['faces', 'smooth=0', ['--flat'], [200, 120]],
-        ['smoothed', 'smooth=1', [], [100, 60]],
-        ['hard shadows, no ambient occlusion', 'smooth=0&shadows=hard&ambient=0', ['--flat', '--shadows', 'hard', '--ao', '0'], [200, 120]],
+        ['faces', 'smooth=0', ['--flat', '--ao', '32'], [160, 100]],
+        ['smoothed', 'smooth=1', ['--ao', '32'], [64, 40]],
+        ['hard shadows, no ambient occlusion', 'smooth=0&shadows=hard&ambient=0', ['--flat', '--shadows', 'hard', '--ao', '0'], [160, 100]],
     ])('is that of octavo render: %s', async (_, fragment, options, [width, height]) => {
         const expected = join(folder, 'expected.png');
         const radians = Math.PI / 180;
@@ -43,15 +43,14 @@ describe('the picture', () => {
         const forward = [Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation), Math.cos(elevation) * Math.cos(azimuth)];
         const at = kCamera.eye.map((value, axis) => value + 10 * forward[axis]!);
         octavo('render', courtyard(), '-o', expected, '--force', '--quiet', '--size', `${width}x${height}`,
-            '--samples', '8', '--ao', '32', '--shadow-samples', '8', '--fov', '45', '--sun=-30,50',
+            '--samples', '8', '--shadow-samples', '8', '--fov', '45', '--sun=-30,50',
             `--eye=${kCamera.eye.join()}`, `--at=${at.join()}`, ...(options as string[]));
         const { page, faults } = await open(`${await view(courtyard())}#${kLook}&samples=8&${fragment}`, width as number, height as number);
         await rest(page);
         const picture = await saved(page);
         const { pixels, mean } = difference(picture, PNG.sync.read(readFileSync(expected)));
         if (pixels > 0.01) writeFileSync(join(process.env.OCTAVO_PICTURES ?? folder, `${String(_).slice(0, 8)}.png`), PNG.sync.write(picture));
-        expect(pixels).toBeLessThan(0.01);
-        expect(mean).toBeLessThan(1);
+        expect({ pixels: pixels < 0.01, mean: mean < 1 }, `${pixels} of the pixels differ, by ${mean} on average`).toEqual({ pixels: true, mean: true });
         expect(faults).toEqual([]);
     });
 
@@ -237,9 +236,9 @@ describe('files', () => {
     });
 
     it('that do not fit are shown at a coarser level', async () => {
-        const { page: opened } = await open(`${await view(courtyard())}#${quick}&memory=0.01`);
+        const { page: opened } = await open(`${await view(courtyard())}#${quick}&memory=0.003`);
         await rest(opened);
-        expect(await text(opened, '#toast')).toMatch(/Shown at 32³ of 64³: all of it takes/);
+        expect(await text(opened, '#toast')).toMatch(/Shown at (8|16|32)³ of 64³: all of it takes/);
     });
 
     it('can be dropped on the page', async () => {
