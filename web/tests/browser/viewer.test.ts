@@ -33,9 +33,9 @@ const link = async (page: Page): Promise<string> => {
 describe('the picture', () => {
     // The same rays with the same random numbers: only sin, cos and pow may round differently.
     it.each([
-        ['faces', 'smooth=0', ['--flat', '--ao', '32'], [160, 100]],
-        ['smoothed', 'smooth=1', ['--ao', '32'], [64, 40]],
-        ['hard shadows, no ambient occlusion', 'smooth=0&shadows=hard&ambient=0', ['--flat', '--shadows', 'hard', '--ao', '0'], [160, 100]],
+        ['faces', 'smooth=0', ['--flat', '--ao', '32', '--samples', '8', '--shadow-samples', '8'], [160, 100]],
+        ['smoothed', 'smooth=1&samples=2', ['--ao', '8', '--samples', '2', '--shadow-samples', '2'], [32, 20]],
+        ['hard shadows, no ambient occlusion', 'smooth=0&shadows=hard&ambient=0', ['--flat', '--shadows', 'hard', '--ao', '0', '--samples', '8'], [160, 100]],
     ])('is that of octavo render: %s', async (_, fragment, options, [width, height]) => {
         const expected = join(folder, 'expected.png');
         const radians = Math.PI / 180;
@@ -43,7 +43,7 @@ describe('the picture', () => {
         const forward = [Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation), Math.cos(elevation) * Math.cos(azimuth)];
         const at = kCamera.eye.map((value, axis) => value + 10 * forward[axis]!);
         octavo('render', courtyard(), '-o', expected, '--force', '--quiet', '--size', `${width}x${height}`,
-            '--samples', '8', '--shadow-samples', '8', '--fov', '45', '--sun=-30,50',
+            '--fov', '45', '--sun=-30,50',
             `--eye=${kCamera.eye.join()}`, `--at=${at.join()}`, ...(options as string[]));
         const { page, faults } = await open(`${await view(courtyard())}#${kLook}&samples=8&${fragment}`, width as number, height as number);
         await rest(page);
