@@ -12,10 +12,15 @@ find_package(hwy REQUIRED)       # SIMD with run-time dispatch, for the voxel ov
 find_package(ZLIB REQUIRED)      # gzipped meshes
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)  # checksums of file sections
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compressed sections
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)        # what a build spills to its scratch folder
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
 find_package(PNG REQUIRED)       # pictures
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
+
+# Optional: builds by many machines together (packages libopenmpi-dev, openmpi-bin).
+set(MPI_CXX_SKIP_MPICXX ON)
+find_package(MPI QUIET COMPONENTS CXX)
 
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments

@@ -14,6 +14,7 @@ void add_info_command(CLI::App& program);
 void add_render_command(CLI::App& program);
 void add_query_command(CLI::App& program);
 void add_sample_command(CLI::App& program);
+void add_validate_command(CLI::App& program);
 void add_view_command(CLI::App& program);
 
 }  // namespace octavo::cli

@@ -28,7 +28,8 @@ struct Stage {
     int shadow_samples;
     int jpeg_quality;  // 0: PNG
 };
-constexpr Stage kStages[] = {{4, 1, 4, 1, 70}, {1, 1, 8, 2, 85}, {1, 16, 64, 16, 0}};
+constexpr Stage kStages[] = {
+    {4, 1, 4, 1, 70}, {1, 1, 8, 2, 85}, {1, 4, 16, 4, 92}, {1, 16, 64, 16, 0}};
 
 using Json = nlohmann::json;
 

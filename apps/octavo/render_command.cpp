@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -18,6 +19,8 @@
 #include "octavo/render/render.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "scene_input.h"
+#include "triangle_tracer.h"
 
 namespace octavo::cli {
 namespace {
@@ -26,6 +29,7 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
     "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
+    "  octavo render scene.glb --primary mesh --dag scene.octv -o hybrid.png\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
@@ -33,6 +37,7 @@ constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
     std::filesystem::path file;
+    bool trusted = false;
     std::filesystem::path output;
     RenderOptions options;
     uvec2 size{1280, 720};
@@ -45,6 +50,8 @@ struct RenderArguments {
     std::vector<std::string> lights;
     double exposure = 0.0;
     bool flat_normals = false;
+    bool primary_mesh = false;
+    std::filesystem::path dag;
     bool force = false;
     bool quiet = false;
 };
@@ -54,6 +61,26 @@ Shadows parse_shadows(const std::string& text) {
     if (text == "hard") return Shadows::hard;
     if (text == "soft") return Shadows::soft;
     throw Error(Errc::bad_argument, "'" + text + "' is not none, hard or soft");
+}
+
+bool parse_primary(const std::string& text) {
+    if (text == "voxels") return false;
+    if (text == "mesh") return true;
+    throw Error(Errc::bad_argument, "'" + text + "' is not voxels or mesh");
+}
+
+/// Primary rays to the triangles of a scene.
+PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
+    return [triangles](std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+        std::vector<TriangleRay> some;
+        for (const Ray& ray : rays)
+            some.push_back(
+                {vec3(ray.origin), std::numeric_limits<float>::infinity(), vec3(ray.direction)});
+        std::vector<TriangleHit> found(rays.size());
+        triangles->closest(some, TriangleTracer::Width::sixteen, true, found);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = {static_cast<double>(found[i].t), found[i].normal};
+    };
 }
 
 void check_extension(const std::filesystem::path& file) {
@@ -115,7 +142,15 @@ std::optional<std::vector<Light>> lights_of(const RenderArguments& arguments, co
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force);
-    const Model model = read_octv(arguments.file);
+    if (arguments.primary_mesh && arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--primary mesh needs --dag, the .octv file of the scene");
+    if (!arguments.primary_mesh && !arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--dag goes with --primary mesh only");
+    const Model model = read_octv(arguments.primary_mesh ? arguments.dag : arguments.file,
+                                  {.trusted = arguments.trusted});
+    if (arguments.primary_mesh)
+        arguments.options.primary =
+            primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
 
     RenderOptions& options = arguments.options;
     options.width = static_cast<int>(arguments.size.x);
@@ -177,9 +212,19 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise a tenth of the scene")
+                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    command
+        .add_option_function<double>(
+            "--ao-cone",
+            [&arguments](double degrees) {
+                arguments.options.ao_cone = degrees * kRadiansPerDegree;
+            },
+            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
+            "there is much detail; 0: never")
+        ->type_name("DEGREES")
+        ->check(within(0.0, 90.0));
     command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
         ->type_name("STOPS")
         ->check(within(-32.0, 32.0));
@@ -191,7 +236,13 @@ void add_render_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("render", "Ray-trace a picture of an .octv file");
     const auto arguments = std::make_shared<RenderArguments>();
     set_help(command, kExamples);
-    command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command
+        .add_option("FILE", arguments->file,
+                    "An .octv file; with --primary mesh the scene that it was built from, or "
+                    "sample:NAME")
+        ->required()
+        ->type_name("");
+    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
         ->required()
         ->type_name("FILE");
@@ -201,6 +252,18 @@ void add_render_command(CLI::App& program) {
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")
         ->check(within(1, 65536));
+    add_parsed(command, "--primary", arguments->primary_mesh, parse_primary,
+               "What is seen: the voxels; or the triangles of a scene (mesh), to which the voxels "
+               "of --dag give shadow and ambient occlusion",
+               "voxels|mesh");
+    command.add_option("--dag", arguments->dag, "With --primary mesh: the scene's .octv file")
+        ->type_name("FILE");
+    command
+        .add_option("--bias", arguments->options.bias,
+                    "With --primary mesh: how far above the triangles rays start, 1; less shows "
+                    "acne, more leaves gaps")
+        ->type_name("FACTOR")
+        ->check(within(0.0, 1000.0));
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <nlohmann/json.hpp>
 
@@ -89,6 +90,41 @@ TEST(Build, RemembersTheNameOfTheSceneAndNotItsFolder) {
     const std::string content = file_content(folder / "a.octv");
     EXPECT_NE(content.find("yard.ply"), std::string::npos);
     EXPECT_EQ(content.find("deep"), std::string::npos);
+}
+
+/// Peak resident memory of a command, in bytes, as the system counted it.
+std::uint64_t peak_of(const std::filesystem::path& folder, const std::string& line) {
+    const Outcome outcome = run_shell(folder, line);
+    if (outcome.code != 0) {
+        ADD_FAILURE() << line << ": " << outcome.err;
+        return 0;
+    }
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST(BuildSlow, KeepsAMemoryCapThatItWouldPassAndGivesTheSameFile) {
+    const TemporaryFolder folder;
+    const std::string build = "octavo build sample:hairball -r 2K --threads 2 -q ";
+    // In this order: the system remembers the largest of all children.
+    for (const char* cap : {"160", "256"}) {
+        const std::uint64_t peak = peak_of(
+            folder.path(), build + "-o " + cap + ".octv --max-memory " + cap + "M");
+        EXPECT_LE(peak, std::stoull(cap) << 20) << cap;
+    }
+    EXPECT_EQ(folder.entries(), 2u) << "the scratch is still there";
+    EXPECT_GT(peak_of(folder.path(), build + "-o free.octv"), std::uint64_t{400} << 20);
+    EXPECT_EQ(run_shell(folder.path(), "cmp free.octv 160.octv && cmp free.octv 256.octv").code, 0);
+}
+
+TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
+    const TemporaryFolder folder;
+    const Outcome outcome = run_shell(
+        folder.path(), "octavo build sample:courtyard -o a.octv -r 1K --max-memory 10M");
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_NE(outcome.err.find("--max-memory "), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder.entries(), 0u);
 }
 
 }  // namespace

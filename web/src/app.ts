@@ -177,6 +177,7 @@ export class App {
         }
         this.panel.show(this.settings);
         this.panel.offer(this.offers());
+        if (this.painter && this.cameraIsOurs && metadata.cameras.length > 0) this.panel.showCamera(0);
         if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
@@ -660,7 +661,7 @@ export class App {
         if (painter && scene) {
             this.canvas.dataset.state = painter.finished ? 'finished' : 'drawing';
             this.canvas.dataset.samples = String(painter.frames);
-            const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 3`;
+            const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 4`;
             return fillFacts(byId('statistics'), [['Drawn by', 'octavo, on the other machine'], ['Picture', sharpness], ...this.sceneFacts(scene)]);
         }
         if (!engine || !scene || !renderer) return;

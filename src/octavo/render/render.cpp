@@ -19,38 +19,14 @@
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
-#include "octavo/render/normal.h"
+#include "octavo/render/normal_cache.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/visibility.h"
 
 namespace octavo {
 namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
-
-/// The smoothed normals of the cells that a thread has met: close to a surface many pixels share
-/// one. A slot holds the last normal that fell on it, which depends on the cell and face alone, so
-/// the picture does not depend on what is found here.
-class NormalCache {
-public:
-    vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
-        const std::uint32_t key = shared::mix_bits(
-            hit.path.x + shared::mix_bits(hit.path.y + shared::mix_bits(hit.path.z)));
-        Entry& entry = entries_[key % entries_.size()];
-        if (entry.face != hit.face || entry.height != hit.height || entry.path != hit.path ||
-            hit.face == shared::kFaceInside)
-            entry = {hit.path, hit.height, hit.face, smooth_normal(dag, ray, hit)};
-        return entry.normal;
-    }
-
-private:
-    struct Entry {
-        uvec3 path{0};
-        int height = 0;
-        int face = shared::kFaceNone;
-        vec3 normal{0.0f};
-    };
-    std::vector<Entry> entries_ = std::vector<Entry>(4096);
-};
 
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
@@ -63,6 +39,7 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
+    if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
     for (const Light& light : o.lights.value_or(std::vector<Light>{}))
         if (!(light.size >= 0.0) || !std::isfinite(light.size))
             refuse("a light's size is negative or not finite");
@@ -87,7 +64,11 @@ public:
         const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
         ao_radius_ = static_cast<float>(radius / grid.voxel_size);
         ao_stop_.cone = static_cast<float>(options.ao_cone);
-        primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
+        // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
+        primary_stop_.cone =
+            options.level_of_detail
+                ? rays_.pixel_pitch() / std::sqrt(static_cast<float>(options.samples))
+                : 0.0f;
         primary_stop_.time_before = rays_.t_before();
     }
 
@@ -95,12 +76,13 @@ public:
         const int x1 = std::min(x0 + kTile, options_.width);
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
-        if (options_.beam)
+        if (options_.beam && !options_.primary)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
+            if (options_.primary) ask_for_surface(tile);
             if (i == 0) write_depths(tile, image);
             add_samples(tile, i);
         }
@@ -154,6 +136,7 @@ private:
         std::vector<vec3> sums;
         std::vector<shared::GridRay> rays;
         std::vector<shared::GridHit> hits;
+        std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
         RayQueue sky_queue;
         RayQueue lamp_queue;
@@ -168,8 +151,24 @@ private:
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
+        if (!options_.primary && !rays_.sees_nothing() && start < tile.rays[0].t_max)
             trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+    }
+
+    /// Has the rays traced by the caller. A hit then says when, and that there is no face.
+    void ask_for_surface(Tile& tile) const {
+        std::vector<Ray> rays;
+        for (const shared::GridRay& ray : tile.rays)
+            rays.push_back({grid_.to_world(dvec3(ray.cell) + dvec3(ray.frac)),
+                            dvec3(ray.dir) * grid_.voxel_size});
+        tile.surface.assign(rays.size(), {});
+        options_.primary(rays, tile.surface);
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            const SurfaceHit& found = tile.surface[k];
+            if (!std::isfinite(found.t) || !(glm::length(found.normal) > 0.0f)) continue;
+            tile.hits[k].t = static_cast<float>(found.t);
+            tile.hits[k].face = shared::kFaceInside;
+        }
     }
 
     void write_depths(const Tile& tile, Image& image) const {
@@ -203,15 +202,31 @@ private:
         return {i * each, (i + 1) * each};
     }
 
+    /// Where the secondary rays of pixel k start.
+    [[nodiscard]] shared::SurfacePoint surface_point(Tile& tile, std::size_t k) const {
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) return lifted_point(ray, tile.surface[k], tile.seeds[k]);
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        return options_.smooth_normals
+                   ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), tile.seeds[k])
+                   : flat_point(ray, hit, tile.seeds[k]);
+    }
+
+    [[nodiscard]] shared::SurfacePoint lifted_point(const shared::GridRay& ray,
+                                                    const SurfaceHit& found,
+                                                    std::uint32_t seed) const {
+        const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) + found.t * dvec3(ray.dir);
+        vec3 normal = glm::normalize(found.normal);
+        if (glm::dot(normal, ray.dir) > 0.0f) normal = -normal;
+        const auto start = lifted_start(grid_, grid_.to_world(at), normal, options_.bias);
+        if (!start) return {ray.cell, ray.frac, normal, shared::kFaceNone, seed, 1};
+        return {start->cell, start->frac, normal, shared::kFaceNone, seed, 1};
+    }
+
     /// Queues the rays that say how much light sample i of pixel k gets.
     void send_rays(Tile& tile, std::size_t k, int i) const {
-        const shared::GridRay& ray = tile.rays[k];
-        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const std::uint32_t seed = tile.seeds[k];
-        const shared::SurfacePoint point =
-            options_.smooth_normals
-                ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), seed)
-                : flat_point(ray, hit, seed);
+        const shared::SurfacePoint point = surface_point(tile, k);
         const vec3 normal = point.normal;
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
