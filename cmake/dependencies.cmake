@@ -26,6 +26,9 @@ find_package(MPI QUIET COMPONENTS CXX)
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments
     find_package(fmt REQUIRED)    # tables: g++ 12 has no std::format
+    # Optional: the server of `octavo view`, and the pictures that it sends.
+    pkg_check_modules(HTTPLIB IMPORTED_TARGET cpp-httplib)
+    pkg_check_modules(TURBOJPEG IMPORTED_TARGET libturbojpeg)
 endif()
 if(OCTAVO_BUILD_TESTS)
     find_package(GTest REQUIRED)

@@ -22,6 +22,7 @@ int fail(int code, const std::string& message) {
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo info scene.octv --levels\n"
+    "  octavo view scene.octv\n"
     "  octavo render scene.octv -o scene.png\n"
     "  octavo sample courtyard -o courtyard.glb\n";
 
@@ -41,7 +42,9 @@ int run(int argc, char** argv) {
     program.require_subcommand(1);
     add_build_command(program);
     add_info_command(program);
+    add_view_command(program);
     add_render_command(program);
+    add_export_command(program);
     add_query_command(program);
     add_validate_command(program);
     add_sample_command(program);
