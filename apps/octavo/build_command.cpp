@@ -199,8 +199,8 @@ void run_build(BuildArguments& arguments) {
             decode_textures(scene,
                             with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
         });
-        times.import_seconds = watch.lap();
         throw_if_interrupted();
+        times.import_seconds = watch.lap();
         meter.finish();
         for (const std::string& warning : scene.warnings)
             if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
