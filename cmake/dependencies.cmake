@@ -14,7 +14,8 @@ pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)  # checksums of fil
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compressed sections
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
-find_package(PNG REQUIRED)       # pictures
+find_package(PNG REQUIRED)       # pictures, and the textures of scenes
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)  # textures of scenes
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
 
 if(OCTAVO_BUILD_APPS)

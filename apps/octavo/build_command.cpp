@@ -12,11 +12,13 @@
 #include "commands.h"
 #include "help.h"
 #include "interrupt.h"
+#include "octavo/attributes/build_attributes.h"
 #include "octavo/construct/build.h"
 #include "octavo/construct/estimate.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
+#include "octavo/mesh/decode_textures.h"
 #include "output.h"
 #include "progress_meter.h"
 #include "scene_input.h"
@@ -28,6 +30,7 @@ namespace {
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
+    "  octavo build scene.glb -o scene.octv --resolution 8K --attributes color,emission\n"
     "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
 
 struct BuildArguments {
@@ -38,6 +41,9 @@ struct BuildArguments {
     BuildOptions options;
     std::optional<dvec3> origin;
     std::optional<double> voxel_size;
+    std::string attribute_names;
+    AttributeOptions attributes;
+    int attribute_quality = 100;
     bool compress = false;
     bool force = false;
     bool quiet = false;
@@ -61,12 +67,48 @@ private:
 struct BuildTimes {
     double import_seconds = 0.0;
     double construct_seconds = 0.0;
+    double attribute_seconds = 0.0;
     double write_seconds = 0.0;
 
     [[nodiscard]] double total() const {
-        return import_seconds + construct_seconds + write_seconds;
+        return import_seconds + construct_seconds + attribute_seconds + write_seconds;
     }
 };
+
+/// "color,emission,normal", in any order and number.
+void choose_attributes(BuildArguments& arguments) {
+    AttributeOptions& options = arguments.attributes;
+    if (arguments.attribute_names.empty()) {
+        if (options.level != 0 || arguments.attribute_quality != 100)
+            throw Error(Errc::bad_argument,
+                        "--attribute-resolution and --attribute-quality need --attributes");
+        return;
+    }
+    options.color = options.emission = options.normal = false;
+    std::string_view names = arguments.attribute_names;
+    for (bool more = true; more;) {
+        const std::size_t comma = names.find(',');
+        const std::string_view name = names.substr(0, comma);
+        if (name == "color")
+            options.color = true;
+        else if (name == "emission")
+            options.emission = true;
+        else if (name == "normal")
+            options.normal = true;
+        else
+            throw Error(Errc::bad_argument, "--attributes: '" + std::string(name) +
+                                                "' is not color, emission or normal");
+        more = comma != std::string_view::npos;
+        if (more) names.remove_prefix(comma + 1);
+    }
+    options.tolerance = (100 - arguments.attribute_quality + 1) / 2;
+    options.threads = arguments.options.threads;
+    options.max_memory_bytes = arguments.options.max_memory_bytes;
+    options.progress = arguments.options.progress;
+    if (options.level > arguments.options.depth)
+        throw Error(Errc::bad_argument,
+                    "--attribute-resolution: it cannot be above the --resolution");
+}
 
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
                         const BuildTimes& times) {
@@ -76,6 +118,7 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         Json json = summary_json(summary);
         json["build"] = {{"import_seconds", times.import_seconds},
                          {"construct_seconds", times.construct_seconds},
+                         {"attribute_seconds", times.attribute_seconds},
                          {"write_seconds", times.write_seconds},
                          {"total_seconds", times.total()},
                          {"threads", threads},
@@ -83,8 +126,11 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         return json.dump(2) + "\n";
     }
     return fmt::format(
-        "{}\n  {:.2f} s: import {:.2f}, construct {:.2f}, write {:.2f}; at most {} MB\n",
+        "{}\n  {:.2f} s: import {:.2f}, construct {:.2f}, {}write {:.2f}; at most {} MB\n",
         summary_table(summary), times.total(), times.import_seconds, times.construct_seconds,
+        arguments.attribute_names.empty()
+            ? ""
+            : fmt::format("attributes {:.2f}, ", times.attribute_seconds),
         times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
 }
 
@@ -120,13 +166,19 @@ void run_build(BuildArguments& arguments) {
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
+    choose_attributes(arguments);
+    const bool with_attributes = !arguments.attribute_names.empty();
     BuildTimes times;
     Stopwatch watch;
 
     meter.begin_phase("import");
     Model model;
     {
-        const Scene scene = read_scene(arguments.input);
+        Scene scene = read_scene(arguments.input);
+        with_threads(options.threads, [&] {
+            decode_textures(scene,
+                            with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
+        });
         times.import_seconds = watch.lap();
         throw_if_interrupted();
         meter.finish();
@@ -137,14 +189,17 @@ void run_build(BuildArguments& arguments) {
         model =
             make_model(source_name(arguments.input), scene, options.rule, build(scene, options));
         times.construct_seconds = watch.lap();
+        if (with_attributes) {
+            model.attributes =
+                build_attributes(scene, model.dag, model.grid(), arguments.attributes);
+            times.attribute_seconds = watch.lap();
+        }
     }
     write_octv(arguments.output, model,
                {.compress = arguments.compress, .progress = meter.function()});
     times.write_seconds = watch.lap();
 
-    const OctvSummary summary{.metadata = model.metadata,
-                              .file_bytes = std::filesystem::file_size(arguments.output),
-                              .compressed = arguments.compress};
+    const OctvSummary summary = read_octv_summary(arguments.output);
     meter.finish();
     if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times));
 }
@@ -177,6 +232,17 @@ void add_build_command(CLI::App& program) {
             ->check(CLI::Validator(CLI::PositiveNumber).description(""));
     origin->needs(voxel_size);
     voxel_size->needs(origin);
+    command
+        .add_option("--attributes", arguments->attribute_names,
+                    "What to keep of the surfaces: color, emission, normal")
+        ->type_name("NAMES");
+    add_parsed(command, "--attribute-resolution", arguments->attributes.level, parse_resolution,
+               "Cells along each side that have attributes; 1024, or N where that is less", "M");
+    command
+        .add_option("--attribute-quality", arguments->attribute_quality,
+                    "100: lossless; else colours may be off by (100 - Q) / 2 of 255")
+        ->type_name("Q")
+        ->check(within(1, 100));
     command.add_option("--threads", options.threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));

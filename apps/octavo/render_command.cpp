@@ -45,6 +45,7 @@ struct RenderArguments {
     std::vector<std::string> lights;
     double exposure = 0.0;
     bool flat_normals = false;
+    bool no_color = false;
     bool force = false;
     bool quiet = false;
 };
@@ -121,6 +122,7 @@ void run_render(RenderArguments& arguments) {
     options.width = static_cast<int>(arguments.size.x);
     options.height = static_cast<int>(arguments.size.y);
     options.smooth_normals = !arguments.flat_normals;
+    if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     options.camera = chosen_camera(arguments, model);
     options.lights = lights_of(arguments, model);
 
@@ -201,6 +203,8 @@ void add_render_command(CLI::App& program) {
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")
         ->check(within(1, 65536));
+    command.add_flag("--no-color", arguments->no_color,
+                     "Clay, even where the file has colours and emission");
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")

@@ -23,6 +23,11 @@ std::vector<std::uint32_t>& values_of(TileValues& out, Channel channel) {
     return out[static_cast<std::size_t>(channel)];
 }
 
+/// How wide the pieces of a triangle are: a cell, or less where all of it is less.
+double footprint_of(double area) {
+    return std::min(1.0, std::sqrt(area));
+}
+
 /// The point of a triangle that is nearest to p. Ericson, "Real-Time Collision Detection", 5.1.5.
 dvec3 nearest_point(const std::array<dvec3, 3>& t, const dvec3& p) {
     const dvec3 ab = t[1] - t[0], ac = t[2] - t[0];
@@ -172,7 +177,8 @@ void TileAverager::cut_triangles(std::span<const TileTriangle> triangles) {
         }
         const auto number = static_cast<std::uint32_t>(facets_.size());
         facets_.push_back(facet);
-        const SurfaceSampler::Triangle surface = surfaces_.prepare(facet.in_scene, facet.corners);
+        const SurfaceSampler::Triangle surface =
+            surfaces_.prepare(facet.in_scene, facet.corners, footprint_of(pieces.area()));
         pieces.for_each(ivec3(0), end, [&](const TrianglePieces::Piece& piece) {
             const std::uint32_t cell = number_of(piece.cell);
             const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
@@ -249,7 +255,7 @@ void TileAverager::touch_bare_cells() {
         part.sample.color = {65535, 65535, 65535};
         if (b.facet != kNoNumber) {
             const Facet& facet = facets_[b.facet];
-            part.sample = surfaces_.prepare(facet.in_scene, facet.corners).at(b.point);
+            part.sample = surfaces_.prepare(facet.in_scene, facet.corners, 1.0).at(b.point);
             part.sample.opacity = 65535;
         } else {
             part.facet = static_cast<std::uint32_t>(facets_.size());

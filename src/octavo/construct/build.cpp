@@ -31,12 +31,13 @@ std::uint64_t key_of(const Scene& scene, const Grid& grid, VoxelRule rule,
                      const TriangleSource& source) {
     constexpr std::uint64_t kJournalVersion = 2;
     struct {
-        std::uint64_t version, geometry;
+        std::uint64_t version, geometry, holes;
         double origin[3], voxel_size;
         std::int64_t depth, tile_depth, rule;
     } const identity = {
         kJournalVersion,
         scene.geometry_hash(),
+        source.cut_outs().hash(),
         {grid.origin.x, grid.origin.y, grid.origin.z},
         grid.voxel_size,
         grid.depth,

@@ -41,7 +41,8 @@ struct BuildResult {
 
 /// Voxelizes a scene and reduces the voxels to the minimal DAG, tile by tile, without ever holding
 /// the octree ([K13] section 3). The result does not depend on threads, tile, memory cap or the
-/// order of the triangles.
+/// order of the triangles. Textures with alpha make holes only once decode_textures() has been
+/// called.
 ///
 /// @throws Error  io where the journal cannot be read or written; bad_argument where the options or
 /// the scene's bounds allow no grid; limit where the

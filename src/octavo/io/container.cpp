@@ -93,7 +93,8 @@ void check_section(const Section& section, std::uint64_t at, std::uint64_t previ
         refuse("reaches past the end of the file", offsetof(Section, stored_bytes));
     if (!(section.flags & kZstd) && section.raw_bytes != section.stored_bytes)
         refuse("is not compressed, yet has two sizes", offsetof(Section, raw_bytes));
-    const bool known = section.id == kMetadataSection || section.id == kDagSection;
+    const bool known = section.id == kMetadataSection || section.id == kDagSection ||
+                       std::ranges::count(kAttributeSections, section.id) > 0;
     if (!known && section.flags & kRequired)
         throw Error(Errc::unsupported, path,
                     "section " + section_name(section.id) +

@@ -3,16 +3,19 @@
 
 #include <string>
 
+#include "octavo/attributes/attributes.h"
 #include "octavo/construct/build.h"
 #include "octavo/dag/dag.h"
 #include "octavo/io/metadata.h"
 
 namespace octavo {
 
-/// A DAG with its place in the world and its origin: what an .octv file holds.
+/// A DAG with its place in the world, its origin and its looks: what an .octv file holds.
 struct Model {
     Dag dag;
     Metadata metadata;
+    Attributes attributes;  // of its cells; may be empty. Their summary in metadata is made by
+                            // write_octv() and read_octv()
 
     [[nodiscard]] const Grid& grid() const { return metadata.grid; }
 };

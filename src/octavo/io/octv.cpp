@@ -62,10 +62,12 @@ private:
                                                                            XXH3_freeState};
 };
 
-void write_dag(SectionWriter& writer, const Dag& dag, const OctvWriteOptions& options) {
-    const std::span<const std::byte> raw = std::as_bytes(dag.words());
+/// A section of words, the DAG's or an attribute's.
+void write_words(SectionWriter& writer, std::uint32_t id, std::uint32_t flags,
+                 std::span<const std::uint32_t> words, const OctvWriteOptions& options) {
+    const std::span<const std::byte> raw = std::as_bytes(words);
     const bool compress = options.compress && !raw.empty();
-    writer.begin(kDagSection, kRequired | (compress ? kZstd : 0), raw.size());
+    writer.begin(id, flags | (compress ? kZstd : 0), raw.size());
     for (std::size_t done = 0; !compress && done < raw.size();) {
         const std::size_t count = std::min(kWriteBytes, raw.size() - done);
         writer.append(raw.subspan(done, count));
@@ -82,11 +84,16 @@ void write_dag(SectionWriter& writer, const Dag& dag, const OctvWriteOptions& op
     writer.end();
 }
 
-const Section& find_section(const std::vector<Section>& sections, std::uint32_t id,
-                            const std::filesystem::path& path) {
+const Section* find_optional(const std::vector<Section>& sections, std::uint32_t id) {
     const auto found = std::find_if(sections.begin(), sections.end(),
                                     [&](const Section& section) { return section.id == id; });
-    if (found == sections.end())
+    return found == sections.end() ? nullptr : &*found;
+}
+
+const Section& find_section(const std::vector<Section>& sections, std::uint32_t id,
+                            const std::filesystem::path& path) {
+    const Section* found = find_optional(sections, id);
+    if (!found)
         throw Error(Errc::bad_input, path, "section " + section_name(id) + " is missing",
                     sizeof(FileHeader));
     return *found;
@@ -163,6 +170,48 @@ void check_nodes(const Section& section, std::span<const std::uint64_t> begins,
                 section.offset + fault->word * sizeof(std::uint32_t));
 }
 
+CellValues read_channel(const std::shared_ptr<const Mapping>& file, const Section& section,
+                        std::uint64_t cells, int value_bits, const OctvReadOptions& options,
+                        const std::filesystem::path& path) {
+    if (section.raw_bytes % sizeof(std::uint32_t) != 0)
+        throw Error(Errc::bad_input, path,
+                    "section " + section_name(section.id) + " is not a whole number of words",
+                    section.offset);
+    if (section.flags & kZstd && section.raw_bytes > options.max_dag_bytes)
+        throw Error(Errc::limit, path,
+                    "section " + section_name(section.id) + " takes " +
+                        std::to_string(section.raw_bytes) + " bytes, and " +
+                        std::to_string(options.max_dag_bytes) + " are allowed",
+                    section.offset);
+    if (!options.trusted) verify_checksum(file->bytes(), section, path);
+    const Words words = read_words(file, section, path);
+    if (!options.trusted)
+        if (const auto fault = CellValues::find_fault(words.words, cells, value_bits))
+            throw Error(Errc::bad_input, path,
+                        "section " + section_name(section.id) + ": " + fault->reason + " (word " +
+                            std::to_string(fault->word) + ")",
+                        section.offset);
+    return {words.words, cells, words.owner};
+}
+
+Attributes read_attributes(const std::shared_ptr<const Mapping>& file,
+                           const std::vector<Section>& sections, const Dag& dag,
+                           const AttributeSummary& summary, const OctvReadOptions& options,
+                           const std::filesystem::path& path) {
+    CellIndex cells(dag, summary.level);
+    if (cells.count() != summary.cells)
+        throw Error(Errc::bad_input, path,
+                    "the attributes are of " + std::to_string(summary.cells) +
+                        " cells, and the DAG has " + std::to_string(cells.count()),
+                    find_section(sections, kMetadataSection, path).offset);
+    std::array<CellValues, Attributes::kChannels> channels;
+    for (std::size_t c = 0; c < channels.size(); ++c)
+        if (const Section* section = find_optional(sections, kAttributeSections[c]))
+            channels[c] = read_channel(file, *section, summary.cells, Attributes::kValueBits[c],
+                                       options, path);
+    return {std::move(cells), std::move(channels), summary.tolerance};
+}
+
 }  // namespace
 
 void write_octv(const std::filesystem::path& path, const Model& model,
@@ -170,7 +219,16 @@ void write_octv(const std::filesystem::path& path, const Model& model,
     if (model.dag.depth() != model.metadata.grid.depth ||
         !std::ranges::equal(model.dag.level_begins(), level_begins(model.metadata.statistics)))
         throw Error(Errc::bad_argument, "the metadata does not describe this DAG");
-    const std::string json = encode_metadata(model.metadata);
+    Metadata metadata = model.metadata;
+    metadata.attributes.reset();
+    const Attributes& attributes = model.attributes;
+    if (!attributes.empty()) {
+        if (attributes.cells().dag().words().data() != model.dag.words().data())
+            throw Error(Errc::bad_argument, "the attributes are not of this DAG's cells");
+        metadata.attributes = {attributes.level(), attributes.cells().count(),
+                               attributes.tolerance()};
+    }
+    const std::string json = encode_metadata(metadata);
     if (json.size() > kMaxMetadataBytes)
         throw Error(Errc::limit, path, "the scene's cameras and lights take more than 16 MiB");
 
@@ -179,7 +237,11 @@ void write_octv(const std::filesystem::path& path, const Model& model,
     writer.begin(kMetadataSection, kRequired, json.size());
     writer.append(std::as_bytes(std::span(json)));
     writer.end();
-    write_dag(writer, model.dag, options);
+    write_words(writer, kDagSection, kRequired, model.dag.words(), options);
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
+        if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, options);
+    }
     writer.write_directory();
     file.commit();
 }
@@ -210,6 +272,9 @@ Model read_octv(const std::filesystem::path& path, const OctvReadOptions& option
     const Words words = read_words(file, section, path);
     if (!options.trusted) check_nodes(section, begins, words.words, statistics, path);
     model.dag = Dag(model.metadata.grid.depth, begins, words.words, words.owner);
+    if (options.attributes && model.metadata.attributes)
+        model.attributes =
+            read_attributes(file, sections, model.dag, *model.metadata.attributes, options, path);
     return model;
 }
 
@@ -220,6 +285,9 @@ OctvSummary read_octv_summary(const std::filesystem::path& path) {
     summary.metadata = read_metadata(file->bytes(), sections, path);
     summary.file_bytes = file->bytes().size();
     summary.compressed = find_section(sections, kDagSection, path).flags & kZstd;
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c)
+        if (const Section* section = find_optional(sections, kAttributeSections[c]))
+            summary.attribute_bytes[c] = section->raw_bytes;
     return summary;
 }
 

@@ -99,6 +99,8 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
+        vec3 albedo;
+        vec3 emission;
         std::size_t sky_group;
         std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
@@ -191,7 +193,14 @@ private:
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
-        Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
+        Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
+        if (options_.attributes) {
+            const Attributes& looks = *options_.attributes;
+            const int level = whole_dag_.depth() - hit.height;
+            if (const auto color = looks.color(hit.path, level, -ray.dir))
+                w.albedo = linear_from_srgb8(*color);
+            w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
+        }
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
@@ -232,7 +241,7 @@ private:
             light +=
                 lamps_[n].light().intensity *
                 (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
-        return shared::clay() * light;
+        return w.albedo * light + w.emission;
     }
 
     const Dag& whole_dag_;

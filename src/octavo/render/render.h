@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "octavo/attributes/attributes.h"
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
@@ -36,6 +37,8 @@ struct RenderOptions {
     bool level_of_detail = true;  // a primary ray stops at cells that look smaller than a pixel
     bool beam = true;             // 8x8-pixel beams; the picture is the same without
     std::uint32_t frame = 0;      // another number gives other noise
+
+    const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 
     int threads = 0;            // 0: all; the picture does not depend on it
     ProgressFunction progress;  // phase "render", in pixels

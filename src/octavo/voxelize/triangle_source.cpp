@@ -30,6 +30,7 @@ int checked_tile_depth(int tile_depth, int grid_depth) {
 
 TriangleSource::TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
     : mesh_(scene, grid),
+      cut_outs_(scene, grid),
       rule_(rule),
       tile_depth_(checked_tile_depth(tile_depth, grid.depth)),
       bitmaps_([tile_depth] { return TileBitmap(tile_depth); }) {
@@ -71,8 +72,8 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
 
 void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
     TileBitmap& bitmap = bitmaps_.local();
-    rasterize_tile(mesh_, triangles(index), morton_decode(tiles_[index]), tile_depth_, rule_,
-                   bitmap);
+    rasterize_tile(mesh_, cut_outs_, triangles(index), morton_decode(tiles_[index]), tile_depth_,
+                   rule_, bitmap);
     bitmap.take(leaves);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/grid.h"
+#include "octavo/voxelize/cut_outs.h"
 #include "octavo/voxelize/fixed_point.h"
 #include "octavo/voxelize/rule.h"
 #include "octavo/voxelize/tile_bitmap.h"
@@ -34,6 +35,7 @@ public:
     void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
+    [[nodiscard]] const CutOuts& cut_outs() const { return cut_outs_; }
 
     /// The triangles that meet tiles()[index], in no particular order.
     [[nodiscard]] std::span<const TileTriangle> triangles(std::size_t index) const {
@@ -44,6 +46,7 @@ private:
     void sort_into_tiles(int grid_depth);
 
     FixedMesh mesh_;
+    CutOuts cut_outs_;
     VoxelRule rule_;
     int tile_depth_;
     std::vector<TileTriangle> pairs_;  // sorted
