@@ -11,6 +11,7 @@ void add_bench_command(CLI::App& program);
 void add_build_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_render_command(CLI::App& program);
+void add_light_command(CLI::App& program);
 void add_query_command(CLI::App& program);
 void add_sample_command(CLI::App& program);
 

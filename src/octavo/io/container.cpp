@@ -94,7 +94,8 @@ void check_section(const Section& section, std::uint64_t at, std::uint64_t previ
     if (!(section.flags & kZstd) && section.raw_bytes != section.stored_bytes)
         refuse("is not compressed, yet has two sizes", offsetof(Section, raw_bytes));
     const bool known = section.id == kMetadataSection || section.id == kDagSection ||
-                       std::ranges::count(kAttributeSections, section.id) > 0;
+                       std::ranges::count(kAttributeSections, section.id) > 0 ||
+                       section.id == kLightSection;
     if (!known && section.flags & kRequired)
         throw Error(Errc::unsupported, path,
                     "section " + section_name(section.id) +

@@ -212,6 +212,27 @@ Attributes read_attributes(const std::shared_ptr<const Mapping>& file,
     return {std::move(cells), std::move(channels), summary.tolerance};
 }
 
+/// Every word has a meaning, so there is nothing to check but their number.
+CellLight read_light(const std::shared_ptr<const Mapping>& file,
+                     const std::vector<Section>& sections, const Model& model,
+                     const OctvReadOptions& options, const std::filesystem::path& path) {
+    const Section& section = find_section(sections, kLightSection, path);
+    const std::uint64_t cells = model.attributes.cells().count();
+    if (cells > CellLight::kMostCells || section.raw_bytes != 6 * sizeof(std::uint32_t) * cells)
+        throw Error(Errc::bad_input, path,
+                    "section LITE has " + std::to_string(section.raw_bytes) +
+                        " bytes where its " + std::to_string(cells) + " cells need 24 each",
+                    section.offset);
+    if (section.flags & kZstd && section.raw_bytes > options.max_dag_bytes)
+        throw Error(Errc::limit, path,
+                    "section LITE takes " + std::to_string(section.raw_bytes) + " bytes, and " +
+                        std::to_string(options.max_dag_bytes) + " are allowed",
+                    section.offset);
+    if (!options.trusted) verify_checksum(file->bytes(), section, path);
+    const Words words = read_words(file, section, path);
+    return {model.attributes.level(), model.metadata.light->bounces, words.words, words.owner};
+}
+
 }  // namespace
 
 void write_octv(const std::filesystem::path& path, const Model& model,
@@ -228,6 +249,12 @@ void write_octv(const std::filesystem::path& path, const Model& model,
         metadata.attributes = {attributes.level(), attributes.cells().count(),
                                attributes.tolerance()};
     }
+    if (model.light.empty()) {
+        metadata.light.reset();
+    } else if (!metadata.light || model.light.count() != attributes.cells().count() ||
+               model.light.level() != attributes.level()) {
+        throw Error(Errc::bad_argument, "the light is not of the attributes' cells");
+    }
     const std::string json = encode_metadata(metadata);
     if (json.size() > kMaxMetadataBytes)
         throw Error(Errc::limit, path, "the scene's cameras and lights take more than 16 MiB");
@@ -242,6 +269,8 @@ void write_octv(const std::filesystem::path& path, const Model& model,
         const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
         if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, options);
     }
+    if (!model.light.empty())
+        write_words(writer, kLightSection, 0, model.light.words(), options);
     writer.write_directory();
     file.commit();
 }
@@ -275,6 +304,8 @@ Model read_octv(const std::filesystem::path& path, const OctvReadOptions& option
     if (options.attributes && model.metadata.attributes)
         model.attributes =
             read_attributes(file, sections, model.dag, *model.metadata.attributes, options, path);
+    if (!model.attributes.empty() && model.metadata.light)
+        model.light = read_light(file, sections, model, options, path);
     return model;
 }
 
@@ -288,6 +319,8 @@ OctvSummary read_octv_summary(const std::filesystem::path& path) {
     for (std::size_t c = 0; c < Attributes::kChannels; ++c)
         if (const Section* section = find_optional(sections, kAttributeSections[c]))
             summary.attribute_bytes[c] = section->raw_bytes;
+    if (const Section* section = find_optional(sections, kLightSection))
+        summary.light_bytes = section->raw_bytes;
     return summary;
 }
 
