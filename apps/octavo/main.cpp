@@ -52,6 +52,7 @@ int run(int argc, char** argv) {
     program.require_subcommand(1);
     add_build_command(program);
     add_info_command(program);
+    add_light_command(program);
     add_view_command(program);
     add_render_command(program);
     add_export_command(program);

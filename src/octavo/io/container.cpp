@@ -102,7 +102,8 @@ void check_section(const Section& section, std::uint64_t at, std::uint64_t previ
         refuse("section-size", "is not compressed, yet has two sizes",
                offsetof(Section, raw_bytes));
     const bool known = section.id == kMetadataSection || section.id == kDagSection ||
-                       std::ranges::count(kAttributeSections, section.id) > 0;
+                       std::ranges::count(kAttributeSections, section.id) > 0 ||
+                       section.id == kLightSection;
     if (!known && section.flags & kRequired)
         throw FormatError(
             Errc::unsupported, "section-unknown", path,

@@ -49,6 +49,8 @@ inline constexpr std::uint32_t kDagSection = section_id("DAG ");
 inline constexpr std::array<std::uint32_t, 6> kAttributeSections = {
     section_id("ACOL"), section_id("ABCK"), section_id("AEMI"),
     section_id("AEMB"), section_id("ANRM"), section_id("ANRB")};
+/// The light of cells; a reader may do without it.
+inline constexpr std::uint32_t kLightSection = section_id("LITE");
 
 /// A reader that does not know the section's id must refuse the file.
 inline constexpr std::uint32_t kRequired = 1;

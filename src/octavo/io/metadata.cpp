@@ -221,6 +221,14 @@ AttributeSummary decode_attributes(const Field& json, int depth) {
     return attributes;
 }
 
+LightSummary decode_stored_light(const Field& json) {
+    LightSummary light;
+    light.bounces = static_cast<int>(json["bounces"].count(8));
+    light.sky = json["sky"].text();
+    for (const Field& one : json["lights"].items()) light.lights.push_back(decode_light(one));
+    return light;
+}
+
 Json parse(std::string_view text) {
     std::size_t values = 0;
     const auto bounded = [&](int nesting, Json::parse_event_t, Json&) {
@@ -268,6 +276,13 @@ std::string encode_metadata(const Metadata& metadata) {
         json["attributes"] = {{"level", metadata.attributes->level},
                               {"cells", metadata.attributes->cells},
                               {"tolerance", metadata.attributes->tolerance}};
+    if (metadata.light) {
+        Json of_cells = Json::array();
+        for (const Light& light : metadata.light->lights) of_cells.push_back(light_json(light));
+        json["light"] = {{"bounces", metadata.light->bounces},
+                         {"sky", metadata.light->sky},
+                         {"lights", std::move(of_cells)}};
+    }
     // Names come from scene files and may be any bytes; what is not UTF-8 becomes U+FFFD.
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -290,6 +305,7 @@ Metadata decode_metadata(std::string_view text) {
     metadata.statistics = decode_statistics(root, metadata.grid.depth);
     if (root.has("attributes"))
         metadata.attributes = decode_attributes(root["attributes"], metadata.grid.depth);
+    if (root.has("light")) metadata.light = decode_stored_light(root["light"]);
     for (const Field& camera : root["cameras"].items())
         metadata.cameras.push_back(decode_camera(camera));
     for (const Field& light : root["lights"].items())

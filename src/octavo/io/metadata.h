@@ -21,6 +21,13 @@ struct AttributeSummary {
     int tolerance = 0;        // by how much a channel of a colour may differ, in 255ths
 };
 
+/// What the light stored in a file came from.
+struct LightSummary {
+    int bounces = 0;            // 0 to 8
+    std::vector<Light> lights;  // world space
+    std::string sky;            // as the command line writes it
+};
+
 /// What an .octv file says about its DAG: how it was made, where it lies in the world, and what it
 /// holds. Only what follows from the input and the options: no times, thread counts or machine
 /// paths, so that the same input gives the same file.
@@ -35,6 +42,7 @@ struct Metadata {
     std::vector<Light> lights;
     Statistics statistics;
     std::optional<AttributeSummary> attributes;  // none: the file has none
+    std::optional<LightSummary> light;           // the same
 };
 
 /// As JSON text without spaces. Numbers in double are written so that they read back exactly.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "octavo/attributes/attributes.h"
+#include "octavo/attributes/cell_light.h"
 #include "octavo/construct/build.h"
 #include "octavo/dag/dag.h"
 #include "octavo/io/metadata.h"
@@ -16,6 +17,8 @@ struct Model {
     Metadata metadata;
     Attributes attributes;  // of its cells; may be empty. Their summary in metadata is made by
                             // write_octv() and read_octv()
+
+    CellLight light = {};   // of the same cells; may be empty. metadata.light says what from
 
     [[nodiscard]] const Grid& grid() const { return metadata.grid; }
 };

@@ -306,6 +306,37 @@ Attributes read_attributes(Source& source, const std::vector<Section>& sections,
     return {std::move(cells), std::move(channels), summary.tolerance};
 }
 
+/// Every word has a meaning, so there is nothing to check but their number.
+CellLight read_light(Source& source, const std::vector<Section>& sections, const Model& model,
+                     Reading& reading) {
+    const Section& section = find_section(sections, kLightSection, reading.path);
+    const std::uint64_t cells = model.attributes.cells().count();
+    Words words;
+    reading.check(reading.times.read, [&] {
+        if (cells > CellLight::kMostCells || section.raw_bytes != 6 * sizeof(std::uint32_t) * cells)
+            throw FormatError(Errc::bad_input, "light-size", reading.path,
+                              "section LITE has " + std::to_string(section.raw_bytes) +
+                                  " bytes where its " + std::to_string(cells) +
+                                  " cells need 24 each",
+                              section.offset);
+        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
+            throw FormatError(Errc::limit, "limit", reading.path,
+                              "section LITE takes " + std::to_string(section.raw_bytes) +
+                                  " bytes, and " + std::to_string(reading.options.max_dag_bytes) +
+                                  " are allowed",
+                              section.offset);
+        source.fetch(section);
+    });
+    if (!reading.findings.empty()) return {};
+    if (!reading.options.trusted)
+        reading.check(reading.times.checksum,
+                      [&] { verify_checksum(source.bytes(), section, reading.path); });
+    reading.check(reading.times.decompress,
+                  [&] { words = read_words(source, section, reading.path); });
+    if (!reading.findings.empty()) return {};
+    return {model.attributes.level(), model.metadata.light->bounces, words.words, words.owner};
+}
+
 }  // namespace
 
 void write_octv(const std::filesystem::path& path, const Model& model,
@@ -321,6 +352,12 @@ void write_octv(const std::filesystem::path& path, const Model& model,
             throw Error(Errc::bad_argument, "the attributes are not of this DAG's cells");
         metadata.attributes = {attributes.level(), attributes.cells().count(),
                                attributes.tolerance()};
+    }
+    if (model.light.empty()) {
+        metadata.light.reset();
+    } else if (!metadata.light || model.light.count() != attributes.cells().count() ||
+               model.light.level() != attributes.level()) {
+        throw Error(Errc::bad_argument, "the light is not of the attributes' cells");
     }
     const std::string json = encode_metadata(metadata);
     if (json.size() > kMaxMetadataBytes)
@@ -338,6 +375,8 @@ void write_octv(const std::filesystem::path& path, const Model& model,
         const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
         if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, nullptr, options);
     }
+    if (!model.light.empty())
+        write_words(writer, kLightSection, 0, model.light.words(), nullptr, options);
     writer.write_directory();
     file.commit();
 }
@@ -381,6 +420,9 @@ Model read_model(Reading& reading) {
     if (reading.options.attributes && model.metadata.attributes)
         model.attributes =
             read_attributes(source, sections, model.dag, *model.metadata.attributes, reading);
+    if (!reading.findings.empty()) return model;
+    if (!model.attributes.empty() && model.metadata.light)
+        model.light = read_light(source, sections, model, reading);
     return model;
 }
 
@@ -403,6 +445,8 @@ OctvSummary read_octv_summary(const std::filesystem::path& path) {
     for (std::size_t c = 0; c < Attributes::kChannels; ++c)
         if (const Section* section = find_optional(sections, kAttributeSections[c]))
             summary.attribute_bytes[c] = section->raw_bytes;
+    if (const Section* section = find_optional(sections, kLightSection))
+        summary.light_bytes = section->raw_bytes;
     return summary;
 }
 

@@ -70,6 +70,7 @@ struct OctvSummary {
     bool compressed = false;
     /// Bytes that each channel of the attributes takes, unpacked; 0 where it is not there.
     std::array<std::uint64_t, Attributes::kChannels> attribute_bytes{};
+    std::uint64_t light_bytes = 0;  // of the cells' light, unpacked
 };
 
 /// Reads and checks header and metadata only: takes no time, whatever the size of the DAG.

@@ -189,7 +189,8 @@ private:
         tile.lamp_queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
-                tile.sums[k] += shared::sky_color(tile.rays[k].dir, vec3(up_));
+                tile.sums[k] += options_.sky ? options_.sky->radiance(tile.rays[k].dir)
+                                             : shared::sky_color(tile.rays[k].dir, vec3(up_));
             else
                 send_rays(tile, k, i);
         }
@@ -290,7 +291,8 @@ private:
         const float sky = w.sky_rays == 0
                               ? 1.0f
                               : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
-        vec3 light = sky * shared::sky_light(w.normal, vec3(up_));
+        vec3 light = sky * (options_.sky ? options_.sky->diffuse(w.normal)
+                                         : shared::sky_light(w.normal, vec3(up_)));
         for (std::size_t n = 0; n < lamps_.size(); ++n)
             light +=
                 lamps_[n].light().intensity *

@@ -12,6 +12,7 @@
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
+#include "octavo/light/sky.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
@@ -39,6 +40,7 @@ struct RenderOptions {
     dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
 
     std::optional<std::vector<Light>> lights;  // none: default_sun(); empty: the sky alone
+    std::optional<Sky> sky;                    // none: the clear sky of shade.h
     Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
     int shadow_samples = 16;                   // towards each light
 
