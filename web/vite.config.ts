@@ -57,5 +57,5 @@ export default defineConfig({
         assetsInlineLimit: Infinity,
         chunkSizeWarningLimit: 4096,
     },
-    test: { include: ['tests/**/*.test.ts'], testTimeout: 20000 },
+    test: { testTimeout: 120000, hookTimeout: 120000 },
 });

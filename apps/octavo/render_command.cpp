@@ -14,6 +14,8 @@
 #include "commands.h"
 #include "help.h"
 #include "light_arguments.h"
+#include "lit_arguments.h"
+#include "lit_render.h"
 #include "octavo/backend/device.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
@@ -32,9 +34,11 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
     "  octavo render scene.octv -o scene.png --device vulkan\n"
     "  octavo render scene.glb --primary mesh --dag scene.octv -o hybrid.png\n"
+    "  octavo render scene.octv -o lit.png --gi\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+constexpr int kReferenceSamples = 256;
 constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
@@ -48,13 +52,19 @@ struct RenderArguments {
     std::optional<double> fov_degrees;
     std::string camera_name;
     bool overview = false;
+    bool samples_given = false;
     std::optional<std::array<double, 2>> sun;
     std::vector<std::string> lights;
+    std::string gi;  // "", "gathered" or "cached"
+    bool reference = false;
+    std::optional<std::string> sky;
+    int bounces = LightOptions{}.bounces;
     double exposure = 0.0;
     bool flat_normals = false;
     std::string device = "cpu";
     bool primary_mesh = false;
     std::filesystem::path dag;
+    bool no_color = false;
     bool force = false;
     bool quiet = false;
 };
@@ -142,9 +152,63 @@ std::optional<std::vector<Light>> lights_of(const RenderArguments& arguments, co
     return balanced(model.metadata.lights, lit);
 }
 
+/// With the light of the cells, or by paths.
+void run_lit(RenderArguments& arguments) {
+    if (arguments.no_color)
+        throw Error(Errc::bad_argument, "--no-color: light that surfaces send on has their colour");
+    LitArguments lit;
+    lit.lighting = arguments.reference        ? Lighting::reference
+                   : arguments.gi == "cached" ? Lighting::cached
+                                              : Lighting::gathered;
+    lit.sun = arguments.sun;
+    lit.lights = arguments.lights;
+    lit.sky = arguments.sky;
+    lit.light.bounces = arguments.bounces;
+    lit.light.threads = arguments.options.threads;
+    RenderOptions& options = arguments.options;
+    if (lit.lighting == Lighting::reference && !arguments.samples_given)
+        options.samples = kReferenceSamples;
+    ProgressMeter meter(arguments.quiet);
+    lit.light.progress = options.progress = meter.function();
+    const LitInput input = read_lit_input(arguments.file, lit, options.up);
+    options.camera = arguments.eye || arguments.camera_name.empty() == false || !input.camera
+                         ? chosen_camera(arguments, input.models.front())
+                         : *input.camera;
+    write_image(arguments.output, render_lit(input.scene, lit.lighting, options),
+                arguments.exposure);
+}
+
+/// What draws the picture; `auto` takes the CPU where no GPU can.
+std::unique_ptr<Device> device_for(const RenderArguments& arguments) {
+    const std::string what = only_on_cpu(arguments.options);
+    if (arguments.device == "cpu" || what.empty()) return open_device(arguments.device);
+    if (arguments.device == "auto") return open_device("cpu");
+    const std::string instead = arguments.options.primary      ? ""
+                                : arguments.options.attributes ? "--no-color or "
+                                                               : "no --sky or ";
+    throw Error(Errc::bad_argument, "--device " + arguments.device + " draws no picture with " +
+                                        what + ": give " + instead + "--device cpu");
+}
+
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force);
+    if (!arguments.gi.empty() && arguments.gi != "gathered" && arguments.gi != "cached")
+        throw Error(Errc::bad_argument,
+                    "--gi: '" + arguments.gi + "' is not cached; write --gi behind the file");
+    arguments.options.width = static_cast<int>(arguments.size.x);
+    arguments.options.height = static_cast<int>(arguments.size.y);
+    arguments.options.smooth_normals = !arguments.flat_normals;
+    const bool scene_file = arguments.file.extension() == ".json";
+    if (!arguments.gi.empty() || arguments.reference || scene_file) {
+        if (arguments.primary_mesh)
+            throw Error(Errc::bad_argument, "--primary mesh goes without --gi and --reference");
+        if (arguments.device != "cpu" && arguments.device != "auto")
+            throw Error(Errc::bad_argument, "--device " + arguments.device +
+                                                ": light that surfaces send on, and scene files, "
+                                                "are drawn by the CPU only");
+        return run_lit(arguments);
+    }
     if (arguments.primary_mesh && arguments.dag.empty())
         throw Error(Errc::bad_argument, "--primary mesh needs --dag, the .octv file of the scene");
     if (!arguments.primary_mesh && !arguments.dag.empty())
@@ -156,15 +220,14 @@ void run_render(RenderArguments& arguments) {
             primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
 
     RenderOptions& options = arguments.options;
-    options.width = static_cast<int>(arguments.size.x);
-    options.height = static_cast<int>(arguments.size.y);
-    options.smooth_normals = !arguments.flat_normals;
+    if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
+    if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     options.camera = chosen_camera(arguments, model);
     options.lights = lights_of(arguments, model);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
-    const auto device = open_device(arguments.device);
+    const auto device = device_for(arguments);
     const auto dag = device->upload(model.dag);
     write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
 }
@@ -217,9 +280,42 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise a tenth of the scene")
+                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    command
+        .add_option_function<double>(
+            "--ao-cone",
+            [&arguments](double degrees) {
+                arguments.options.ao_cone = degrees * kRadiansPerDegree;
+            },
+            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
+            "there is much detail; 0: never")
+        ->type_name("DEGREES")
+        ->check(within(0.0, 90.0));
+    .add_option("--sky", arguments.sky,
+                "clear (the default), none, color:R,G,B, "
+                "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
+                "with :power=FACTOR, a picture also with :turn=DEGREES")
+        ->type_name("SKY");
+    CLI::Option* gi =
+        command
+            .add_option("--gi", arguments.gi,
+                        "Light that surfaces send on, by --ao rays for each pixel; with `cached`, "
+                        "only what `octavo light` stored. Uses the lights and the sky of that, "
+                        "unless others are given: then cells are lit first")
+            ->type_name("[cached]")
+            ->expected(0, 1)
+            ->default_str("gathered");
+    command
+        .add_flag("--reference", arguments.reference,
+                  "Trace whole paths of light instead, one for each sample, 256: slow and exact")
+        ->excludes(gi);
+    command
+        .add_option("--bounces", arguments.bounces,
+                    "How often light is sent on, where cells are lit here; 2")
+        ->type_name("N")
+        ->check(within(0, LightOptions::kMostBounces));
     command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
         ->type_name("STOPS")
         ->check(within(-32.0, 32.0));
@@ -259,18 +355,24 @@ void add_render_command(CLI::App& program) {
                     "acne, more leaves gaps")
         ->type_name("FACTOR")
         ->check(within(0.0, 1000.0));
+    command.add_flag("--no-color", arguments->no_color,
+                     "Clay, even where the file has colours and emission");
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command
-        .add_option("--device", arguments->device,
-                    "What to render on: cpu (the default), cuda, vulkan, one of `octavo devices`, or "
-                    "auto: a GPU where there is one")
+        .add_option(
+            "--device", arguments->device,
+            "What to render on: cpu (the default), cuda, vulkan, one of `octavo devices`, or "
+            "auto: a GPU where there is one")
         ->type_name("DEVICE");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
-    command.callback([arguments] { run_render(*arguments); });
+    command.callback([arguments, &command] {
+        arguments->samples_given = command.count("--samples") > 0;
+        run_render(*arguments);
+    });
 }
 
 }  // namespace octavo::cli

@@ -74,7 +74,8 @@ void reduce_in_steps(NodeStore& store, const std::vector<LeafBlock>& leaves, int
 void expect_same(const std::vector<LeafBlock>& leaves, int top, int hash_bits) {
     NodeStore expected(top);
     std::vector<CellNode> cells;
-    reduce_leaves(expected, leaves, cells);
+    OctreeCounts counts;
+    reduce_leaves(expected, leaves, cells, counts);
     NodeStore found(top);
     reduce_in_steps(found, leaves, hash_bits);
     for (int height = 0; height <= top; ++height) {
@@ -83,6 +84,10 @@ void expect_same(const std::vector<LeafBlock>& leaves, int top, int hash_bits) {
         ASSERT_TRUE(std::ranges::equal(a, b)) << "height " << height;
         ASSERT_EQ(expected.level(height).count(), found.level(height).count());
     }
+    OctreeCounts counted;
+    count_cells(leaves, top, counted);
+    EXPECT_EQ(counted.voxels, counts.voxels);
+    EXPECT_EQ(counted.cells, counts.cells) << "top " << top;
 }
 
 TEST(ReduceOnGpu, StepsGiveTheNodesOfTheCpuInTheirOrder) {

@@ -52,6 +52,16 @@ TEST(RenderLight, IsALampWhereThereIsNoSun) {
     EXPECT_TRUE(picture({kLamp}) != picture({lamp_at({-11, 1, 0}, 50.0f)}));
 }
 
+TEST(RenderAmbient, StopsAtAnAngleOnlyWhereItIsAskedFor) {
+    const TemporaryFolder folder;
+    const std::string render = "octavo render " + small_octv().string() + " --size 48x27 --ao 16 ";
+    ASSERT_EQ(run_shell(folder.path(), render + "-o a.png").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o b.png --ao-cone 0").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o c.png --ao-cone 30").code, 0);
+    EXPECT_TRUE(file_content(folder / "a.png") == file_content(folder / "b.png"));
+    EXPECT_TRUE(file_content(folder / "a.png") != file_content(folder / "c.png"));
+}
+
 TEST(RenderPrimary, ShowsTheTrianglesInTheVoxelsShadow) {
     const TemporaryFolder folder;
     write_octv(folder / "a.octv", read_octv(small_octv()));

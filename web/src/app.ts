@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The page: one scene, where the viewer stands, what is asked for, and who draws it.
-import { readConfig, takeInlineScene } from './config';
+import { type Config, readConfig, takeInlineScene } from './config';
 import { Engine, type Plan } from './gl/engine';
 import { Renderer, type Shot } from './gl/renderer';
 import type { CellBox } from './octv/content_bounds';
@@ -9,11 +9,12 @@ import type { FaultKind } from './octv/errors';
 import type { Metadata } from './octv/metadata';
 import { levelsThatFit } from './octv/reader';
 import type { Origin, Report } from './octv/worker';
+import { RemotePainter } from './remote_painter';
 import { SceneLoader } from './scene_loader';
 import { byId, fillFacts } from './ui/dom';
 import { megabytes, rounded, shortCount, worldNumber } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
-import { type Axes, type Box, type Camera, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
+import { type Axes, type Box, type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { lampOf, storedLight, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
@@ -47,6 +48,8 @@ export class App {
     private opened: { name: string; origin: Origin } | undefined;
     private renderer: Renderer | undefined;
     private engine: Engine | undefined;
+    private config: Config | undefined;
+    private painter: RemotePainter | undefined; // draws instead of this machine's GPU
     private linkTimer = 0;
     private toastTimer = 0;
     private shownStatistics = 0;
@@ -65,8 +68,8 @@ export class App {
             sceneSize: () => this.sceneSize,
             voxelSize: () => this.scene?.metadata.grid.voxelSize ?? 1,
             moveTo: (camera) => this.moveTo(camera),
-            click: (x, y) => this.showVoxel(x, y),
-            doubleClick: (x, y) => this.focusOn(x, y),
+            click: (x, y) => void this.showVoxel(x, y),
+            doubleClick: (x, y) => void this.focusOn(x, y),
             speedChanged: (speed) => this.toast(`Speed ${rounded(speed)} units a second`),
         });
         this.bindButtons();
@@ -76,7 +79,9 @@ export class App {
         window.addEventListener('hashchange', () => this.followLink());
         new ResizeObserver(() => this.resize()).observe(this.canvas);
         this.resize();
-        this.startGraphics();
+        this.config = readConfig();
+        if (this.config?.render) this.startPainter(this.config.render);
+        else this.startGraphics();
         this.panel.offer(this.offers());
         this.openConfigured();
     }
@@ -84,7 +89,7 @@ export class App {
     // ---- the scene ----
 
     private openConfigured(): void {
-        const config = readConfig();
+        const { config } = this;
         if (!config) {
             this.notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
             return;
@@ -114,7 +119,7 @@ export class App {
 
     private load(): void {
         const { name, origin } = this.opened!;
-        this.loader = new SceneLoader(origin, this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
+        this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
     }
 
     private hear(name: string, origin: Origin, report: Report): void {
@@ -159,18 +164,32 @@ export class App {
             const light = storedLight(metadata);
             // Smoothing takes a GPU; without one faces are quick, and the control is there.
             const smooth = kDefaults.smooth && !this.renderer?.software;
-            this.base = { ...kDefaults, light, smooth, finestLevel: depth };
+            this.base = { ...kDefaults, ...this.storedSun(metadata, light), light, smooth, finestLevel: depth };
             const link = readLink(location.hash);
             this.settings = { ...this.base, ...link.settings, memory: this.settings.memory };
             this.camera = link.camera;
             this.cameraIsOurs = !link.camera;
             if (!link.camera && metadata.words === 0) this.learnBounds(undefined);
         }
+        if (this.painter) {
+            this.scene.box = this.config!.render!;
+            if (this.cameraIsOurs) this.placeCamera();
+        }
         this.panel.show(this.settings);
         this.panel.offer(this.offers());
-        if (metadata.words > 0 && levelsWanted === 0) {
+        if (this.painter && this.cameraIsOurs && metadata.cameras.length > 0) this.panel.showCamera(0);
+        if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
+    }
+
+    /** Where the file's sun stands, so that turning it begins there. */
+    private storedSun(metadata: Metadata, light: number): Partial<Settings> {
+        const stored = metadata.lights[light];
+        if (stored?.kind !== 'sun') return {};
+        const angles = anglesOf(this.axes, scale(-1, stored.direction));
+        const degrees = 180 / Math.PI;
+        return { sunAzimuth: Math.round(angles.azimuth * degrees), sunElevation: Math.round(angles.elevation * degrees) };
     }
 
     /** Takes room for as many levels as fit. @returns their number */
@@ -200,7 +219,7 @@ export class App {
         this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.aspect);
         if (stored) this.panel.showCamera(0);
         const link = readLink(location.hash).settings;
-        if (link.sunAzimuth === undefined) {
+        if (link.sunAzimuth === undefined && this.settings.light === -1) {
             const behind = this.camera.azimuth + Math.PI;
             const azimuth = Math.round((behind * 180) / Math.PI - 55);
             this.settings = { ...this.settings, sunAzimuth: ((azimuth + 540) % 360) - 180 };
@@ -272,6 +291,36 @@ export class App {
         });
     }
 
+    private startPainter(render: NonNullable<Config['render']>): void {
+        const here = (path: string): string => new URL(path, location.href).href;
+        const image = byId<HTMLImageElement>('remote');
+        image.hidden = false;
+        byId('open-file').hidden = true;
+        this.painter = new RemotePainter(image, here(render.url), here(render.pick), () => this.showStatistics(), (message) => this.fault('unreachable', message));
+    }
+
+    private askPainter(scene: Scene, camera: Camera): void {
+        const { settings, axes } = this;
+        const radians = Math.PI / 180;
+        this.painter!.ask({
+            width: Math.min(4096, this.canvas.width),
+            height: Math.min(4096, this.canvas.height),
+            eye: camera.eye,
+            forward: forwardOf(camera, axes),
+            up: axes.y,
+            fov: camera.verticalFov,
+            shadows: settings.shadows,
+            ambient: settings.ambient,
+            reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
+            smooth: settings.smooth,
+            light: settings.light,
+            azimuth: settings.sunAzimuth * radians,
+            elevation: settings.sunElevation * radians,
+            size: settings.sunSize * radians,
+            exposure: settings.exposure,
+        });
+    }
+
     private makeRenderer(gl: WebGL2RenderingContext): void {
         this.renderer = new Renderer(gl);
         this.engine = new Engine(gl, this.renderer, () => this.showStatistics());
@@ -280,12 +329,15 @@ export class App {
     private redraw(): void {
         const { scene, camera, engine } = this;
         this.canvas.dataset.state = 'drawing';
-        if (!scene?.box || !camera || !engine) return;
+        if (!scene?.box || !camera) return;
+        if (this.painter) return this.askPainter(scene, camera);
+        if (!engine) return;
         engine.change({
             shot: this.shot(scene, camera),
             exposure: this.settings.exposure,
             toneMapped: this.settings.mode === 'shaded',
             restScale: this.settings.scale / 100,
+            samples: this.settings.samples,
         } satisfies Plan);
     }
 
@@ -368,6 +420,12 @@ export class App {
 
     private changeSettings(settings: Settings): void {
         const before = this.settings;
+        const turned = (['sunAzimuth', 'sunElevation', 'sunSize'] as const).some((key) => before[key] !== settings[key]);
+        // A sun of the file that is turned is the viewer's own from there on.
+        if (turned && settings.light !== -1) {
+            settings = { ...settings, light: -1 };
+            this.panel.show(settings);
+        }
         this.settings = settings;
         if (before.up !== settings.up && this.scene?.box) {
             this.camera = defaultCamera(this.scene.box, this.axes, this.aspect);
@@ -378,7 +436,7 @@ export class App {
             this.load();
         }
         if (before.light !== settings.light) this.panel.offer(this.offers());
-        if (onlyLook(before, settings)) this.engine?.changeLook(settings.exposure, settings.mode === 'shaded');
+        if (this.engine && onlyLook(before, settings)) this.engine.changeLook(settings.exposure, settings.mode === 'shaded');
         else this.redraw();
         this.rememberLink();
     }
@@ -388,26 +446,32 @@ export class App {
         const usable = metadata ? usableLights(metadata) : [];
         const chosen = usable.includes(this.settings.light) ? metadata!.lights[this.settings.light] : undefined;
         return {
-            modes: kModes,
+            modes: this.painter ? ['shaded'] : kModes,
             cameras: metadata?.cameras.map((camera, i) => camera.name || `Camera ${i + 1}`) ?? [],
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
-            sunLight: !chosen,
-            anySun: !chosen || chosen.kind === 'sun',
-            gpu: true,
+            sunLight: !chosen || chosen.kind === 'sun',
+            gpu: !this.painter,
         };
     }
 
     // ---- voxels ----
 
-    private pick(x: number, y: number): { point: Vec3; facts: [string, string][] } | undefined {
-        const { scene, camera, renderer } = this;
-        if (!scene?.box || !camera || !renderer?.ready) return undefined;
+    private async pick(x: number, y: number): Promise<{ point: Vec3; facts: [string, string][] } | undefined> {
+        const { scene, camera, renderer, painter } = this;
+        if (!scene?.box || !camera) return undefined;
         const { width, height } = this.canvas;
-        const shot = this.shot(scene, camera);
         const toPixels = width / this.canvas.clientWidth;
-        const found = renderer.pick(shot, width, height, x * toPixels, y * toPixels);
+        let found: { path: Vec3; height: number; face: number } | undefined;
+        if (painter) {
+            const view = cameraUniforms(camera, this.axes, scene.metadata.grid, width, height);
+            const across = scale(x * toPixels - width / 2, view.right);
+            const below = scale(y * toPixels - height / 2, view.down);
+            found = await painter.pick(camera.eye, add(view.forward, add(across, below)));
+        } else if (renderer?.ready) {
+            found = renderer.pick(this.shot(scene, camera), width, height, x * toPixels, y * toPixels);
+        }
         if (!found) return undefined;
         const { grid } = scene.metadata;
         const size = 2 ** found.height * grid.voxelSize;
@@ -429,20 +493,20 @@ export class App {
         };
     }
 
-    private showVoxel(x: number, y: number): void {
-        const found = this.pick(x, y);
+    private async showVoxel(x: number, y: number): Promise<void> {
+        const found = await this.pick(x, y);
         byId('voxel').hidden = !found;
         if (found) fillFacts(byId('voxel-facts'), found.facts);
     }
 
-    private focusOn(x: number, y: number): void {
-        const found = this.pick(x, y);
+    private async focusOn(x: number, y: number): Promise<void> {
+        const found = await this.pick(x, y);
         if (!found || !this.camera) return;
         // The view direction stays; the eye moves aside until the voxel is in the middle.
         const forward = forwardOf(this.camera, this.axes);
         const distance = length(sub(found.point, this.camera.eye));
         this.moveTo({ ...this.camera, distance, eye: sub(found.point, scale(distance, forward)) });
-        this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+        await this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
     }
 
     // ---- links, pictures, buttons ----
@@ -487,7 +551,7 @@ export class App {
     private savePicture(): void {
         const name = `${(this.scene?.name ?? 'octavo').replace(/\.octv$/, '')}.png`;
         this.engine?.presentNow();
-        this.canvas.toBlob((blob) => {
+        const save = (blob: Blob | null | undefined): void => {
             if (!blob) return this.toast('The picture could not be made');
             const link = document.createElement('a');
             link.href = URL.createObjectURL(blob);
@@ -495,7 +559,9 @@ export class App {
             link.click();
             setTimeout(() => URL.revokeObjectURL(link.href), 10000);
             this.toast(`Saved ${name}`);
-        });
+        };
+        if (this.painter) save(this.painter.picture);
+        else this.canvas.toBlob(save);
     }
 
     private bindButtons(): void {
@@ -543,6 +609,7 @@ export class App {
             event.preventDefault();
             drop.hidden = !shown;
         };
+        if (readConfig()?.render) return; // the other machine has its own file
         window.addEventListener('dragover', (event) => show(event, true));
         window.addEventListener('dragleave', (event) => show(event, event.relatedTarget !== null));
         window.addEventListener('drop', (event) => {
@@ -590,7 +657,13 @@ export class App {
     }
 
     private showStatistics(): void {
-        const { engine, scene, renderer } = this;
+        const { engine, scene, renderer, painter } = this;
+        if (painter && scene) {
+            this.canvas.dataset.state = painter.finished ? 'finished' : 'drawing';
+            this.canvas.dataset.samples = String(painter.frames);
+            const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 4`;
+            return fillFacts(byId('statistics'), [['Drawn by', 'octavo, on the other machine'], ['Picture', sharpness], ...this.sceneFacts(scene)]);
+        }
         if (!engine || !scene || !renderer) return;
         const now = performance.now();
         const finished = engine.finished && scene.done;
@@ -599,20 +672,25 @@ export class App {
         this.shownStatistics = now;
         const s = engine.statistics;
         this.canvas.dataset.samples = String(s.samples);
-        const { metadata } = scene;
-        const resolution = 2 ** metadata.grid.depth;
         fillFacts(byId('statistics'), [
             ['Rays', s.raysPerSecond > 0 ? `${shortCount(s.raysPerSecond)} a second` : 'at rest'],
             ['Picture', `${s.width} × ${s.height}, ${s.samples} ${s.samples === 1 ? 'sample' : 'samples'}`],
             ['Frames', s.framesPerSecond > 0 ? `${s.framesPerSecond} a second` : 'at rest'],
             ['GPU memory', `${megabytes(renderer.words?.bytes ?? 0)} scene, ${megabytes(s.bytes)} pictures`],
+            ...this.sceneFacts(scene),
+            ['GPU', renderer.name],
+        ]);
+    }
+
+    private sceneFacts({ metadata }: Scene): [string, string][] {
+        const resolution = 2 ** metadata.grid.depth;
+        return [
             ['Resolution', `${resolution} × ${resolution} × ${resolution}`],
             ['Voxels', metadata.voxels.toLocaleString('en')],
             ['Triangles', metadata.triangles.toLocaleString('en')],
             ['DAG', megabytes(4 * metadata.words)],
             ['Bits a voxel', metadata.voxels > 0 ? rounded((32 * metadata.words) / metadata.voxels) : '0'],
-            ['GPU', renderer.name],
-        ]);
+        ];
     }
 
     private notice(title: string, text: string, help = ''): void {

@@ -7,7 +7,8 @@ export interface Config {
     url?: string; // the .octv file, beside the page
     inline?: boolean; // the file is in the page, as base64 in #octavo-scene
     render?: {
-        url: string; // draws pictures; see remote/
+        url: string; // draws pictures; see remote_painter.ts
+        pick: string; // finds voxels
         low: [number, number, number]; // the box of all voxels, world space
         high: [number, number, number];
     };

@@ -136,6 +136,13 @@ DeviceList list_devices() {
     return all;
 }
 
+std::string only_on_cpu(const RenderOptions& options) {
+    if (options.primary) return "primary hits from triangles";
+    if (options.attributes != nullptr) return "colours of cells";
+    if (options.sky) return "a sky of its own";
+    return {};
+}
+
 std::unique_ptr<Device> open_device(const std::string& name) {
     if (name == "auto") return open_best();
     if (name == "cpu") return make_cpu_device();

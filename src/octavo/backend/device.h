@@ -78,6 +78,7 @@ public:
 
     /// The picture of octavo::render(): the same voxels in every pixel, but for rays that graze one
     /// within rounding; colours within rounding.
+    /// @throws Error  unsupported on a GPU where only_on_cpu() names something
     [[nodiscard]] virtual Image render(const DeviceDag& dag, const Grid& grid,
                                        const RenderOptions& options) = 0;
 
@@ -87,6 +88,10 @@ public:
                             std::span<const vec3> normals, const VisibilityOptions& options,
                             std::span<float> shadow, std::span<float> ambient) = 0;
 };
+
+/// What of these options only the CPU draws, such as "colours of cells"; empty where a GPU draws
+/// all.
+[[nodiscard]] std::string only_on_cpu(const RenderOptions& options);
 
 /// Opens a device by name: "cpu"; "cuda" or "vulkan", the best of its kind; "vulkan:1", one by its
 /// number; or "auto", the best GPU, or the CPU where there is none.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "octavo/backend/device.h"
 #include "octavo/backend/gpu_visibility.h"
 #include "octavo/core/error.h"
 #include "octavo/render/settings.h"
@@ -100,9 +101,8 @@ public:
     [[nodiscard]] Image render(const DeviceDag& dag, const Grid& grid,
                                const RenderOptions& options) override {
         const auto& gpu_dag = static_cast<const GpuDag&>(dag);
-        if (options.primary)
-            throw Error(Errc::unsupported,
-                        "primary hits from the caller are for the CPU; give a GPU a G-buffer");
+        if (const std::string what = only_on_cpu(options); !what.empty())
+            throw Error(Errc::unsupported, "a GPU draws no picture with " + what);
         const RenderSettings settings = settle(gpu_dag.host, grid, options);
         Image image(options.width, options.height);
         const int columns = (options.width + kTile - 1) / kTile;

@@ -212,6 +212,23 @@ Statistics decode_statistics(const Field& json, int depth) {
     return statistics;
 }
 
+AttributeSummary decode_attributes(const Field& json, int depth) {
+    AttributeSummary attributes;
+    attributes.level = static_cast<int>(json["level"].count(static_cast<std::uint64_t>(depth)));
+    if (attributes.level < kMinDepth) refuse("/attributes/level is below 2");
+    attributes.cells = json["cells"].count(std::uint64_t{1} << 3 * attributes.level);
+    attributes.tolerance = static_cast<int>(json["tolerance"].count(255));
+    return attributes;
+}
+
+LightSummary decode_stored_light(const Field& json) {
+    LightSummary light;
+    light.bounces = static_cast<int>(json["bounces"].count(8));
+    light.sky = json["sky"].text();
+    for (const Field& one : json["lights"].items()) light.lights.push_back(decode_light(one));
+    return light;
+}
+
 Json parse(std::string_view text) {
     std::size_t values = 0;
     const auto bounded = [&](int nesting, Json::parse_event_t, Json&) {
@@ -241,20 +258,31 @@ std::string encode_metadata(const Metadata& metadata) {
     Json lights = Json::array();
     for (const Light& light : metadata.lights) lights.push_back(light_json(light));
 
-    const Json json = {{"source", metadata.source},
-                       {"rule", name(metadata.rule)},
-                       {"grid",
-                        {{"origin", vector_json(metadata.grid.origin)},
-                         {"voxel_size", number_json(metadata.grid.voxel_size)},
-                         {"depth", metadata.grid.depth}}},
-                       {"triangles",
-                        {{"total", metadata.triangles},
-                         {"degenerate", metadata.degenerate_triangles},
-                         {"non_finite", metadata.non_finite_triangles}}},
-                       {"voxels", metadata.statistics.voxels},
-                       {"levels", std::move(levels)},
-                       {"cameras", std::move(cameras)},
-                       {"lights", std::move(lights)}};
+    Json json = {{"source", metadata.source},
+                 {"rule", name(metadata.rule)},
+                 {"grid",
+                  {{"origin", vector_json(metadata.grid.origin)},
+                   {"voxel_size", number_json(metadata.grid.voxel_size)},
+                   {"depth", metadata.grid.depth}}},
+                 {"triangles",
+                  {{"total", metadata.triangles},
+                   {"degenerate", metadata.degenerate_triangles},
+                   {"non_finite", metadata.non_finite_triangles}}},
+                 {"voxels", metadata.statistics.voxels},
+                 {"levels", std::move(levels)},
+                 {"cameras", std::move(cameras)},
+                 {"lights", std::move(lights)}};
+    if (metadata.attributes)
+        json["attributes"] = {{"level", metadata.attributes->level},
+                              {"cells", metadata.attributes->cells},
+                              {"tolerance", metadata.attributes->tolerance}};
+    if (metadata.light) {
+        Json of_cells = Json::array();
+        for (const Light& light : metadata.light->lights) of_cells.push_back(light_json(light));
+        json["light"] = {{"bounces", metadata.light->bounces},
+                         {"sky", metadata.light->sky},
+                         {"lights", std::move(of_cells)}};
+    }
     // Names come from scene files and may be any bytes; what is not UTF-8 becomes U+FFFD.
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -275,6 +303,9 @@ Metadata decode_metadata(std::string_view text) {
     metadata.degenerate_triangles = triangles["degenerate"].count(metadata.triangles);
     metadata.non_finite_triangles = triangles["non_finite"].count(metadata.triangles);
     metadata.statistics = decode_statistics(root, metadata.grid.depth);
+    if (root.has("attributes"))
+        metadata.attributes = decode_attributes(root["attributes"], metadata.grid.depth);
+    if (root.has("light")) metadata.light = decode_stored_light(root["light"]);
     for (const Field& camera : root["cameras"].items())
         metadata.cameras.push_back(decode_camera(camera));
     for (const Field& light : root["lights"].items())

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,20 @@
 #include "octavo/voxelize/rule.h"
 
 namespace octavo {
+
+/// Which cells the file's attributes are of.
+struct AttributeSummary {
+    int level = 0;            // of the cells
+    std::uint64_t cells = 0;  // that are occupied
+    int tolerance = 0;        // by how much a channel of a colour may differ, in 255ths
+};
+
+/// What the light stored in a file came from.
+struct LightSummary {
+    int bounces = 0;            // 0 to 8
+    std::vector<Light> lights;  // world space
+    std::string sky;            // as the command line writes it
+};
 
 /// What an .octv file says about its DAG: how it was made, where it lies in the world, and what it
 /// holds. Only what follows from the input and the options: no times, thread counts or machine
@@ -26,6 +41,8 @@ struct Metadata {
     std::vector<Camera> cameras;  // from the scene; world space
     std::vector<Light> lights;
     Statistics statistics;
+    std::optional<AttributeSummary> attributes;  // none: the file has none
+    std::optional<LightSummary> light;           // the same
 };
 
 /// As JSON text without spaces. Numbers in double are written so that they read back exactly.

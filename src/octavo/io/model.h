@@ -3,16 +3,22 @@
 
 #include <string>
 
+#include "octavo/attributes/attributes.h"
+#include "octavo/attributes/cell_light.h"
 #include "octavo/construct/build.h"
 #include "octavo/dag/dag.h"
 #include "octavo/io/metadata.h"
 
 namespace octavo {
 
-/// A DAG with its place in the world and its origin: what an .octv file holds.
+/// A DAG with its place in the world, its origin and its looks: what an .octv file holds.
 struct Model {
     Dag dag;
     Metadata metadata;
+    Attributes attributes;  // of its cells; may be empty. Their summary in metadata is made by
+                            // write_octv() and read_octv()
+
+    CellLight light = {};   // of the same cells; may be empty. metadata.light says what from
 
     [[nodiscard]] const Grid& grid() const { return metadata.grid; }
 };
@@ -22,7 +28,7 @@ struct Model {
 /// mesh/mesh_lamps.h.
 ///
 /// @param source  the name to remember: of the file, without its folder
-/// Cost           one pass over the DAG, for its statistics
+/// @param built   without statistics (a DAG that build() did not make), they are counted
 [[nodiscard]] Model make_model(std::string source, const Scene& scene, VoxelRule rule,
                                BuildResult built);
 

@@ -15,7 +15,7 @@ struct LightOptions {
 
     int bounces = 2;       // between the first surface that light meets and the last; 0 to 8
     int lamp_rays = 16;    // towards each lamp that reaches the cell
-    int around_rays = 32;  // over the hemisphere, once for the sky and once for each bounce
+    int around_rays = 64;  // over the hemisphere, once for the sky and once for each bounce
     int source_rays = 16;  // towards an uneven sky; as many towards cells that shine
 
     /// Of update(): a side is redone where its light may have changed by more than this, as a part

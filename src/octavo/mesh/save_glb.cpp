@@ -44,6 +44,13 @@ std::string_view picture_type(std::string_view bytes) {
     return bytes.starts_with("\x89PNG") ? "image/png" : "image/jpeg";
 }
 
+int wrap_code(Texture::Wrap wrap) {
+    constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
+    return wrap == Texture::Wrap::clamp    ? kClampToEdge
+           : wrap == Texture::Wrap::mirror ? kMirroredRepeat
+                                           : kRepeat;
+}
+
 class GlbWriter {
 public:
     GlbWriter(const Scene& scene, const std::filesystem::path& file) : scene_(scene), file_(file) {
@@ -214,7 +221,14 @@ private:
                 bytes = pictures_.back().view();
             }
             picture_bytes_.push_back(bytes);
-            root_["textures"].push_back({{"source", i}});
+            json target{{"source", i}};
+            if (texture.wrap_u != Texture::Wrap::repeat ||
+                texture.wrap_v != Texture::Wrap::repeat) {
+                target["sampler"] = root_["samplers"].size();
+                root_["samplers"].push_back(
+                    {{"wrapS", wrap_code(texture.wrap_u)}, {"wrapT", wrap_code(texture.wrap_v)}});
+            }
+            root_["textures"].push_back(std::move(target));
             root_["images"].push_back({{"name", texture.name},
                                        {"mimeType", picture_type(bytes)},
                                        {"bufferView", add_view(bytes.size())}});

@@ -5,21 +5,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "octavo/core/box.h"
 #include "octavo/core/vec.h"
+#include "octavo/mesh/bitmap.h"
 
 namespace octavo {
 
 /// A picture that a material refers to: a file, or the encoded bytes that came inside the scene
 /// file.
 struct Texture {
+    /// What is beyond the edges of the picture.
+    enum class Wrap : std::uint8_t { repeat, clamp, mirror };
+
     std::string name;
     std::filesystem::path file;      // absolute, inside the scene file's folder; or empty
     std::vector<std::byte> encoded;  // PNG, JPEG, ... as stored in the scene file; or empty
+    Wrap wrap_u = Wrap::repeat;
+    Wrap wrap_v = Wrap::repeat;
+    std::shared_ptr<const Bitmap> picture = {};  // once decoded, see decode_textures(); or none
 };
 
 /// What a surface looks like. Factors are linear; textures multiply them.

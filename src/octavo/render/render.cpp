@@ -64,6 +64,8 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
+        vec3 albedo;
+        vec3 emission;
         std::size_t sky_group;
         std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
@@ -133,7 +135,8 @@ private:
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             const bool found = tile.hits[k].face != shared::kFaceNone;
             image.depth[image.index(tile.pixels[k].x, tile.pixels[k].y)] =
-                found ? static_cast<float>((settings_.rays.t_before() + tile.hits[k].t) * grid_.voxel_size)
+                found ? static_cast<float>((settings_.rays.t_before() + tile.hits[k].t) *
+                                           grid_.voxel_size)
                       : std::numeric_limits<float>::infinity();
         }
     }
@@ -145,7 +148,8 @@ private:
         tile.lamp_queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
-                tile.sums[k] += shared::sky_color(tile.rays[k].dir, settings_.up);
+                tile.sums[k] += options_.sky ? options_.sky->radiance(tile.rays[k].dir)
+                                             : shared::sky_color(tile.rays[k].dir, settings_.up);
             else
                 send_rays(tile, k, i);
         }
@@ -183,15 +187,18 @@ private:
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
-        Waiting w{k, normal, tile.sky_queue.begin_group(), 0};
+        Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
+        if (options_.attributes) look_at_voxel(tile, k, w);
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, options_.samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
-                tile.sky_queue.add(sky_ray(start, face, normal, settings_.ao_radius, n, seed ^ 0x68bc21ebu));
+                tile.sky_queue.add(
+                    sky_ray(start, face, normal, settings_.ao_radius, n, seed ^ 0x68bc21ebu));
         }
         const bool soft = options_.shadows == Shadows::soft;
-        const ivec2 some = soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
+        const ivec2 some =
+            soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
         w.lamp_rays = some.y - some.x;
         for (std::size_t n = 0; n < lamps_.size(); ++n) {
             const std::size_t group = tile.lamp_queue.begin_group();
@@ -207,6 +214,26 @@ private:
         tile.waiting.push_back(w);
     }
 
+    /// The colour and the emission of what pixel k sees.
+    void look_at_voxel(const Tile& tile, std::size_t k, Waiting& w) const {
+        const Attributes& looks = *options_.attributes;
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) {
+            const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
+                             static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
+            if (const auto cell = looks.cell_at(at)) {
+                w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
+                w.emission = looks.emission(*cell, -ray.dir);
+            }
+            return;
+        }
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        const int level = whole_dag_.depth() - hit.height;
+        if (const auto color = looks.color(hit.path, level, -ray.dir))
+            w.albedo = linear_from_srgb8(*color);
+        w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
+    }
+
     static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,
                                RayQueue& queue) {
         for (int i = some.x; i < some.y && !lamp.dark(); ++i)
@@ -218,12 +245,13 @@ private:
         const float sky = w.sky_rays == 0
                               ? 1.0f
                               : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
-        vec3 light = sky * shared::sky_light(w.normal, settings_.up);
+        vec3 light = sky * (options_.sky ? options_.sky->diffuse(w.normal)
+                                         : shared::sky_light(w.normal, settings_.up));
         for (std::size_t n = 0; n < lamps_.size(); ++n)
             light +=
                 lamps_[n].light().intensity *
                 (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
-        return shared::clay() * light;
+        return w.albedo * light + w.emission;
     }
 
     const Dag& whole_dag_;

@@ -8,9 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "octavo/attributes/attributes.h"
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
+#include "octavo/light/sky.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
@@ -38,6 +40,7 @@ struct RenderOptions {
     dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
 
     std::optional<std::vector<Light>> lights;  // none: default_sun(); empty: the sky alone
+    std::optional<Sky> sky;                    // none: the clear sky of shade.h
     Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
     int shadow_samples = 16;                   // towards each light
 
@@ -56,6 +59,8 @@ struct RenderOptions {
                                    // occlusion alone ([K13] section 4)
     double bias = 1.0;             // with `primary`: see VisibilityOptions
     std::uint32_t frame = 0;       // another number gives other noise
+
+    const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 
     int threads = 0;            // 0: all; the picture does not depend on it
     ProgressFunction progress;  // phase "render", in pixels

@@ -12,14 +12,13 @@ const kLeastScale = 0.125;
 const kProbeEvery = 500;
 /** While something moves, each frame makes the normals of one pixel in so many that lack one. */
 const kTurns = 8;
-/** Samples after which nothing can be seen to change. */
-const kEnough = 256;
 
 export interface Plan {
     shot: Shot;
     exposure: number;
     toneMapped: boolean;
     restScale: number; // 0 to 1: pixels of the picture at rest, along a side
+    samples: number; // that it ends with
 }
 
 export interface EngineStatistics {
@@ -120,7 +119,7 @@ export class Engine {
     }
 
     private get enough(): number {
-        return Math.min(kEnough, this.renderer.mostSamples);
+        return Math.min(this.plan?.samples ?? 1, this.renderer.mostSamples);
     }
 
     private readonly tick = (): void => {

@@ -37,6 +37,7 @@ export interface StoredLight {
     intensity: Vec3;
     innerAngle: number;
     outerAngle: number;
+    size: number; // a radius; a sun's in radians
 }
 
 export interface Metadata {
@@ -155,6 +156,7 @@ function readLight(value: unknown, i: number): StoredLight {
         intensity: json.intensity === undefined ? [1, 1, 1] : vec3(json.intensity, `${key}.intensity`),
         innerAngle: angle('inner_angle'),
         outerAngle: angle('outer_angle'),
+        size: angle('size'),
     };
 }
 

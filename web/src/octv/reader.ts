@@ -156,10 +156,11 @@ export async function readOctv(source: ByteSource, listener: Listener, options: 
         throw damaged(`The DAG has ${dag.rawBytes} bytes where the metadata states ${4 * metadata.words}.`);
     }
     listener.opened({ metadata, fileBytes: directory.fileBytes, compressed: dag.compressed });
-    if (metadata.words > 0) {
+    const wanted = levelsThatFit(metadata, options.maxDagBytes);
+    if (metadata.words > 0 && wanted > 0) {
         const progress = (bytes: number): void => listener.progress(bytes);
         const read = await openSection(source, dag, kMaxCompressedBytes, progress);
-        await readLevels(read, metadata, levelsThatFit(metadata, options.maxDagBytes), listener);
+        await readLevels(read, metadata, wanted, listener);
     }
     listener.progress(directory.fileBytes);
 }

@@ -18,12 +18,11 @@ export interface Offers {
     depth: number;
     sceneDiagonal: number; // world units; 0: not known yet
     sunLight: boolean; // the light is the one that the panel turns
-    anySun: boolean; // the light's size is an angle
     gpu: boolean; // this machine's GPU draws
 }
 
 type Sliders = Exclude<NumberSetting, 'light' | 'memory'>;
-const kSliders: Sliders[] = ['sunAzimuth', 'sunElevation', 'sunSize', 'ambientRadius', 'exposure', 'detail', 'finestLevel', 'scale'];
+const kSliders: Sliders[] = ['sunAzimuth', 'sunElevation', 'sunSize', 'ambientRadius', 'exposure', 'detail', 'finestLevel', 'scale', 'samples'];
 
 export class Panel {
     private settings: Settings;
@@ -84,7 +83,8 @@ export class Panel {
         byId('cameras-row').hidden = offers.cameras.length === 0;
         byId('lights-row').hidden = offers.lights.length === 0;
         byId('row-sunAzimuth').hidden = byId('row-sunElevation').hidden = !offers.sunLight;
-        byId('row-memory').hidden = !offers.gpu;
+        for (const id of ['row-memory', 'row-detail', 'row-finestLevel', 'row-scale', 'row-samples']) byId(id).hidden = !offers.gpu;
+        byId('modes').hidden = offers.modes.length < 2;
         byId<HTMLInputElement>('finestLevel').max = String(offers.depth);
         this.show(this.settings);
     }
@@ -106,8 +106,7 @@ export class Panel {
         this.showChoice('shadows', settings.shadows);
         this.showChoice('up', settings.up);
         byId('row-ambientRadius').hidden = !settings.ambient;
-        byId('row-sunSize').hidden = settings.shadows !== 'soft';
-        byId('l-size').textContent = this.offers?.anySun === false ? 'Lamp size' : 'Sun size';
+        byId('row-sunSize').hidden = settings.shadows !== 'soft' || this.offers?.sunLight === false;
         for (const element of document.querySelectorAll<HTMLElement>('[data-for]')) {
             element.hidden = !element.dataset.for!.split(' ').includes(settings.mode);
         }
@@ -133,6 +132,8 @@ export class Panel {
     private bindSlider(key: Sliders): void {
         const input = byId<HTMLInputElement>(key);
         const range = kRanges[key];
+        // An output can have a label as well, and would take this one.
+        input.closest('label')!.htmlFor = key;
         input.min = String(range.least);
         input.max = String(range.most);
         input.step = String(range.step);
@@ -156,8 +157,7 @@ export class Panel {
             case 'sunElevation':
                 return `${Math.round(value)}°`;
             case 'sunSize':
-                if (this.offers?.anySun !== false) return `${rounded(value)}°`;
-                return rounded(0.01 * value * diagonal);
+                return `${rounded(value)}°`;
             case 'ambientRadius':
                 return diagonal > 0 ? rounded(0.01 * value * diagonal) : `${rounded(value)} %`;
             case 'exposure':
@@ -166,6 +166,8 @@ export class Panel {
                 return value === 0 ? 'a voxel' : `${rounded(value)} px`;
             case 'finestLevel':
                 return `${value} · ${2 ** value}³${value === depth ? '' : ` of ${2 ** depth}³`}`;
+            case 'samples':
+                return String(value);
             case 'scale':
                 return `${Math.round(value)} %`;
         }

@@ -16,7 +16,7 @@ export interface Lamp {
 }
 
 const kSunLight: Vec3 = [2.2, 0.88 * 2.2, 0.72 * 2.2];
-const kBrightestSun = 10;
+const kSunRadius = 0.02; // of a sun whose file does not say
 const kKnownKinds = ['sun', 'point', 'spot'];
 
 /** Those that this page can shade with; numbers are the file's. */
@@ -48,7 +48,7 @@ export function lampOf(settings: Settings, metadata: Metadata, axes: Axes, box: 
         sun,
         direction: sun ? scale(-1, stored.direction) : stored.direction,
         position: stored.position,
-        radius: sun ? radians(settings.sunSize) : 0.01 * settings.sunSize * length(sub(box.high, box.low)),
+        radius: stored.size > 0 || !sun ? stored.size : kSunRadius,
         intensity: scale(brightening(stored, box), stored.intensity),
     };
     if (stored.kind === 'spot') {
@@ -61,12 +61,9 @@ export function lampOf(settings: Settings, metadata: Metadata, axes: Axes, box: 
 /** Lights in unknown units are made as bright as the default sun; see octavo render. */
 function brightening(light: StoredLight, box: Box): number {
     const brightest = Math.max(...light.intensity);
-    if (!(brightest > 0) || (light.kind === 'sun' && brightest <= kBrightestSun)) return 1;
-    let wanted = kSunLight[0];
-    if (light.kind !== 'sun') {
-        const centre = scale(0.5, add(box.low, box.high));
-        const distance = Math.max(length(sub(light.position, centre)), 0.25 * length(sub(box.high, box.low)));
-        wanted *= distance * distance;
-    }
-    return wanted / brightest;
+    if (!(brightest > 0)) return 1;
+    if (light.kind === 'sun') return Math.min(1, kSunLight[0] / brightest);
+    const centre = scale(0.5, add(box.low, box.high));
+    const distance = Math.max(length(sub(light.position, centre)), 0.25 * length(sub(box.high, box.low)));
+    return (kSunLight[0] * distance * distance) / brightest;
 }

@@ -20,6 +20,7 @@ const kNames: Record<NumberSetting, string> = {
     detail: 'detail',
     finestLevel: 'level',
     scale: 'scale',
+    samples: 'samples',
     memory: 'memory',
 };
 
@@ -67,6 +68,7 @@ export function readLink(fragment: string): View {
         const range = kRanges[key];
         if (value !== undefined) settings[key] = Math.max(range.least, Math.min(range.most, value));
     }
+    if (settings.samples !== undefined) settings.samples = Math.round(settings.samples);
     if (settings.light !== undefined) settings.light = Math.round(settings.light);
     if (settings.finestLevel !== undefined) settings.finestLevel = Math.round(settings.finestLevel);
     const mode = values.get('mode');

@@ -14,7 +14,7 @@ export interface Settings {
     light: number; // of the file's lights; -1: the sun that the panel turns
     sunAzimuth: number; // degrees
     sunElevation: number;
-    sunSize: number; // degrees, the angular radius; of a lamp of the file, per cent of the scene
+    sunSize: number; // degrees, the angular radius
     shadows: Shadows;
     ambient: boolean;
     ambientRadius: number; // per cent of the scene's diagonal
@@ -23,6 +23,7 @@ export interface Settings {
     detail: number; // pixels that a cell may be small; 0: always voxels
     finestLevel: number; // no cells below it are shown
     scale: number; // per cent of the screen's pixels when the camera rests
+    samples: number; // that a picture at rest ends with
     memory: number; // MiB of DAG that may be taken from the GPU
 }
 
@@ -41,6 +42,7 @@ export const kDefaults: Settings = {
     detail: 1,
     finestLevel: 17,
     scale: 100,
+    samples: 256,
     memory: 2048,
 };
 
@@ -55,6 +57,7 @@ export const kRanges = {
     detail: { least: 0, most: 8, step: 0.5 },
     finestLevel: { least: 1, most: 17, step: 1 },
     scale: { least: 25, most: 100, step: 5 },
-    memory: { least: 0.01, most: 16384, step: 0.01 },
+    samples: { least: 1, most: 1024, step: 1 },
+    memory: { least: 0.001, most: 16384, step: 0.001 },
 } as const;
 export type NumberSetting = keyof typeof kRanges;

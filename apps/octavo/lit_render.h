@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/io/model.h"
+#include "octavo/light/light_cells.h"
+#include "octavo/render/render_lit.h"
+
+namespace octavo::cli {
+
+/// What `render` was asked for, where light is sent on.
+struct LitArguments {
+    Lighting lighting = Lighting::gathered;
+    std::optional<std::array<double, 2>> sun;
+    std::vector<std::string> lights;
+    std::optional<std::string> sky;
+    LightOptions light;
+};
+
+/// A scene that is ready to be rendered.
+struct LitInput {
+    std::vector<Model> models;
+    LitScene scene;
+    std::optional<Camera> camera;  // of a scene file
+};
+
+/// Reads an .octv file, or a scene of several from a .json file. The light that an .octv file has
+/// is used where the arguments ask for no other light or sky; else, and for scenes, cells are lit
+/// here.
+[[nodiscard]] LitInput read_lit_input(const std::filesystem::path& path,
+                                      const LitArguments& arguments, const dvec3& up);
+
+}  // namespace octavo::cli

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "cli/run_command.h"
+#include "octavo/light/sky.h"
+
+namespace octavo::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json devices() {
+    const TemporaryFolder folder;
+    const Outcome outcome = run_shell(folder.path(), "octavo devices --json");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.code == 0 ? Json::parse(outcome.out) : Json();
+}
+
+/// Why nothing can be drawn through Vulkan here; empty where it can.
+std::string vulkan_missing() {
+    const Json list = devices();
+    std::string why = list.at("missing").value("vulkan", "");
+    for (const Json& device : list.at("devices"))
+        if (device.at("kind") == "vulkan") why = device.value("why", "");
+    return why;
+}
+
+TEST(Devices, ListTheProcessorAndEveryKindOrWhyItIsMissing) {
+    const Json list = devices();
+    EXPECT_EQ(list.at("devices").at(0).at("id"), "cpu");
+    EXPECT_EQ(list.at("devices").at(0).at("usable"), true);
+    std::set<std::string> kinds;
+    for (const Json& device : list.at("devices")) {
+        kinds.insert(device.at("kind"));
+        EXPECT_GT(device.at("memory_bytes"), 0);
+    }
+    for (const auto& [kind, why] : list.at("missing").items()) {
+        kinds.insert(kind);
+        EXPECT_FALSE(why.get<std::string>().empty());
+    }
+    EXPECT_EQ(kinds, (std::set<std::string>{"cpu", "cuda", "vulkan"}));
+}
+
+TEST(Devices, ThatAreNoneAreRefused) {
+    const TemporaryFolder folder;
+    const std::string render = "octavo render " + small_octv().string() + " -o a.png --size 8x8 ";
+    for (const char* name : {"gpu", "vulkan:", "vulkan:x", "cpu:1", "''"}) {
+        const Outcome outcome = run_shell(folder.path(), render + "--device " + name);
+        EXPECT_EQ(outcome.code, 2) << name << outcome.err;
+        EXPECT_EQ(lines_in(outcome.err), 1) << outcome.err;
+    }
+    EXPECT_EQ(run_shell(folder.path(), render + "--device vulkan:99").code, 3);
+    EXPECT_EQ(
+        run_shell(folder.path(), "octavo build sample:courtyard -o b.octv -r 16 --device vulkan")
+            .code,
+        2);
+}
+
+TEST(Devices, DrawThePictureOfTheProcessorThroughVulkan) {
+    if (const std::string why = vulkan_missing(); !why.empty()) GTEST_SKIP() << "vulkan: " << why;
+    const TemporaryFolder folder;
+    const std::string render =
+        "octavo render " + small_octv().string() + " --size 64x36 --ao 8 --quiet ";
+    const Outcome drawn = run_shell(folder.path(), render + "-o gpu.exr --device vulkan");
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    ASSERT_EQ(run_shell(folder.path(), render + "-o cpu.exr").code, 0);
+    const SkyImage found = load_sky_image(folder / "gpu.exr");
+    const SkyImage expected = load_sky_image(folder / "cpu.exr");
+    ASSERT_EQ(found.color.size(), expected.color.size());
+    std::size_t different = 0;  // where a ray grazes a voxel within rounding
+    for (std::size_t i = 0; i < found.color.size(); ++i)
+        different += glm::length(found.color[i] - expected.color[i]) > 0.01f;
+    EXPECT_LE(different, found.color.size() / 50);
+}
+
+TEST(Devices, RefuseWhatOnlyTheProcessorDraws) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_shell(folder.path(),
+                        "octavo build sample:courtyard -o color.octv -r 64 --attributes color "
+                        "--quiet")
+                  .code,
+              0);
+    const std::string file = small_octv().string();
+    const std::string rest = " --size 8x8 --ao 1 --quiet -o a.png -f --device ";
+    for (const std::string& what :
+         {std::string("color.octv"), file + " --sky none", file + " --gi", file + " --reference"}) {
+        const Outcome refused = run_shell(folder.path(), "octavo render " + what + rest + "vulkan");
+        EXPECT_EQ(refused.code, 2) << what << refused.err;
+        EXPECT_NE(refused.err.find("--device"), std::string::npos) << refused.err;
+    }
+    EXPECT_NE(run_shell(folder.path(), "octavo render color.octv" + rest + "vulkan")
+                  .err.find("--no-color"),
+              std::string::npos);
+    const Outcome taken = run_shell(folder.path(), "octavo render color.octv" + rest + "auto");
+    EXPECT_EQ(taken.code, 0) << taken.err;
+}
+
+TEST(Devices, ReduceTilesOrSayWhyNot) {
+    const TemporaryFolder folder;
+    const std::string build = "octavo build sample:courtyard -r 64 --quiet ";
+    const Outcome outcome = run_shell(folder.path(), build + "-o a.octv --device cuda");
+    if (outcome.code != 0) {
+        EXPECT_EQ(outcome.code, 3);
+        EXPECT_NE(outcome.err.find("CUDA"), std::string::npos) << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(folder / "a.octv"));
+        GTEST_SKIP() << outcome.err;
+    }
+    ASSERT_EQ(run_shell(folder.path(), build + "-o b.octv").code, 0);
+    EXPECT_TRUE(file_content(folder / "a.octv") == file_content(folder / "b.octv"));
+}
+
+}  // namespace
+}  // namespace octavo::test
