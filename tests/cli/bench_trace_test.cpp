@@ -89,7 +89,8 @@ TEST(BenchTrace, TimesTheSameRaysOnADevice) {
     EXPECT_TRUE(figures.at("device").get<std::string>().starts_with("cpu, "));
     for (const char* kind : kKinds) {
         const Json& row = figures.at("mrays_per_second").at(kind);
-        EXPECT_EQ(row.at("frames").at("device").size(), 2u) << kind;
+        EXPECT_EQ(row.at("frames").at("device").size(), row.at("frames").at("voxels").size())
+            << kind;
         EXPECT_GT(row.at("median").at("device"), 0.0) << kind;
     }
     EXPECT_FALSE(bench(folder, "--frames 1").contains("device"));
