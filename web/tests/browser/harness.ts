@@ -112,9 +112,8 @@ export async function open(url: string, width = 800, height = 440, script?: stri
     return { page, faults };
 }
 
-/** Waits until the picture is as good as it gets. */
+/** Waits until the picture is as good as it gets. Whatever changes it makes it `drawing` at once. */
 export async function rest(page: Page): Promise<void> {
-    await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'drawing', undefined, { timeout: 1000 }).catch(() => {});
     await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'finished', undefined, { timeout: 110000 });
 }
 
