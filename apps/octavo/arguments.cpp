@@ -94,6 +94,24 @@ std::array<double, 2> parse_angles(const std::string& text) {
     return angles;
 }
 
+double parse_positive(const std::string& text) {
+    const double number = parse_numbers<1>(text, "a number of 0 or more")[0];
+    if (number < 0.0) refuse(text, "a number of 0 or more");
+    return number;
+}
+
+std::array<double, 2> parse_sides(const std::string& text) {
+    const std::string expected = "width and height, like 2x0.5";
+    std::string_view rest = text;
+    std::array<double, 2> sides{};
+    if (!take_number(rest, sides[0]) || rest.empty() || rest.front() != 'x') refuse(text, expected);
+    rest.remove_prefix(1);
+    if (!take_number(rest, sides[1]) || !rest.empty()) refuse(text, expected);
+    for (const double side : sides)
+        if (!(side > 0.0) || !std::isfinite(side)) refuse(text, expected);
+    return sides;
+}
+
 uvec2 parse_size(const std::string& text) {
     constexpr std::uint32_t kMax = 65536;
     const std::string expected = "a size in pixels, like 1280x720";

@@ -36,6 +36,12 @@ struct RayArgument {
 /// "azimuth,elevation" in degrees. @return radians
 [[nodiscard]] std::array<double, 2> parse_angles(const std::string& text);
 
+/// A number of 0 or more: "0.5"
+[[nodiscard]] double parse_positive(const std::string& text);
+
+/// "2x0.5": width and height, each above 0
+[[nodiscard]] std::array<double, 2> parse_sides(const std::string& text);
+
 /// "1280x720", each 1 to 65536
 [[nodiscard]] uvec2 parse_size(const std::string& text);
 

@@ -47,37 +47,73 @@ std::optional<uvec3> voxel_at(const dvec3& grid_point, const Grid& grid) {
     return uvec3(grid_point);
 }
 
+/// What the surface looks like in a cell, seen from there.
+struct Looks {
+    std::optional<Rgb8> color;
+    std::optional<vec3> emission, normal;
+
+    Looks(const Attributes& attributes, const uvec3& path, int level, const vec3& towards)
+        : color(attributes.color(path, level, towards)),
+          emission(attributes.emission(path, level, towards)),
+          normal(attributes.normal(path, level, towards)) {}
+
+    void add_to(Json& json) const {
+        if (color) json["color"] = *color;
+        if (emission) json["emission"] = vector_json(*emission);
+        if (normal) json["surface_normal"] = vector_json(*normal);
+    }
+    [[nodiscard]] std::string text() const {
+        std::string text;
+        if (color)
+            text +=
+                fmt::format(", color #{:02x}{:02x}{:02x}", (*color)[0], (*color)[1], (*color)[2]);
+        if (emission) text += ", emission " + vector_text(*emission);
+        if (normal) text += ", surface normal " + vector_text(*normal);
+        return text;
+    }
+};
+
 std::string answer_point(const Model& model, const dvec3& point, bool json) {
     const auto voxel = voxel_at(model.grid().to_grid(point), model.grid());
     const bool set = voxel && model.dag.voxel(*voxel);
-    if (json)
-        return Json{{"point", vector_json(point)},
+    std::optional<Looks> looks;
+    if (set && !model.attributes.empty())
+        looks.emplace(model.attributes, *voxel, model.dag.depth(), vec3(0.0f));
+    if (json) {
+        Json answer{{"point", vector_json(point)},
                     {"inside", voxel.has_value()},
                     {"voxel", voxel ? vector_json(*voxel) : Json()},
-                    {"set", set}}
-                   .dump(2) +
-               "\n";
+                    {"set", set}};
+        if (looks) looks->add_to(answer);
+        return answer.dump(2) + "\n";
+    }
     if (!voxel) return "outside the grid\n";
-    return fmt::format("voxel {} is {}\n", vector_text(*voxel), set ? "set" : "empty");
+    return fmt::format("voxel {} is {}{}\n", vector_text(*voxel), set ? "set" : "empty",
+                       looks ? looks->text() : "");
 }
 
 std::string answer_ray(const Model& model, const RayArgument& ray, bool json) {
     const Hit hit = trace_closest(model.dag, model.grid(),
                                   Ray{.origin = ray.origin, .direction = ray.direction});
     const dvec3 position = hit ? ray.origin + hit.t * ray.direction : dvec3(0.0);
-    if (json)
-        return Json{{"origin", vector_json(ray.origin)},
+    std::optional<Looks> looks;
+    if (hit && !model.attributes.empty())
+        looks.emplace(model.attributes, hit.path, hit.level, vec3(-ray.direction));
+    if (json) {
+        Json answer{{"origin", vector_json(ray.origin)},
                     {"direction", vector_json(ray.direction)},
                     {"hit", static_cast<bool>(hit)},
                     {"t", hit ? Json(hit.t) : Json()},
                     {"position", hit ? vector_json(position) : Json()},
                     {"voxel", hit ? vector_json(hit.path) : Json()},
-                    {"normal", hit ? vector_json(hit.normal()) : Json()}}
-                   .dump(2) +
-               "\n";
+                    {"normal", hit ? vector_json(hit.normal()) : Json()}};
+        if (looks) looks->add_to(answer);
+        return answer.dump(2) + "\n";
+    }
     if (!hit) return "the ray hits nothing\n";
-    return fmt::format("hits voxel {} at {}, t = {}, normal {}\n", vector_text(hit.path),
-                       vector_text(position), hit.t, vector_text(hit.normal()));
+    return fmt::format("hits voxel {} at {}, t = {}, normal {}{}\n", vector_text(hit.path),
+                       vector_text(position), hit.t, vector_text(hit.normal()),
+                       looks ? looks->text() : "");
 }
 
 void run_query(const QueryArguments& arguments) {

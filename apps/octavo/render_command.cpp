@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -12,11 +13,14 @@
 #include "arguments.h"
 #include "commands.h"
 #include "help.h"
+#include "light_arguments.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "octavo/render/render.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "scene_input.h"
+#include "triangle_tracer.h"
 
 namespace octavo::cli {
 namespace {
@@ -24,7 +28,9 @@ namespace {
 constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
-    "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n";
+    "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
+    "  octavo render scene.glb --primary mesh --dag scene.octv -o hybrid.png\n"
+    "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kDefaultFovDegrees = 45.0;
@@ -41,8 +47,12 @@ struct RenderArguments {
     std::string camera_name;
     bool overview = false;
     std::optional<std::array<double, 2>> sun;
+    std::vector<std::string> lights;
     double exposure = 0.0;
     bool flat_normals = false;
+    bool primary_mesh = false;
+    std::filesystem::path dag;
+    bool no_color = false;
     bool force = false;
     bool quiet = false;
 };
@@ -52,6 +62,26 @@ Shadows parse_shadows(const std::string& text) {
     if (text == "hard") return Shadows::hard;
     if (text == "soft") return Shadows::soft;
     throw Error(Errc::bad_argument, "'" + text + "' is not none, hard or soft");
+}
+
+bool parse_primary(const std::string& text) {
+    if (text == "voxels") return false;
+    if (text == "mesh") return true;
+    throw Error(Errc::bad_argument, "'" + text + "' is not voxels or mesh");
+}
+
+/// Primary rays to the triangles of a scene.
+PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
+    return [triangles](std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+        std::vector<TriangleRay> some;
+        for (const Ray& ray : rays)
+            some.push_back(
+                {vec3(ray.origin), std::numeric_limits<float>::infinity(), vec3(ray.direction)});
+        std::vector<TriangleHit> found(rays.size());
+        triangles->closest(some, TriangleTracer::Width::sixteen, true, found);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = {static_cast<double>(found[i].t), found[i].normal};
+    };
 }
 
 void check_extension(const std::filesystem::path& file) {
@@ -91,49 +121,45 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     return camera;
 }
 
-/// Files measure light in lux, candela, watts or nothing at all; the sky here has none of these. A
-/// sun up to this is taken as it is; of any other light only the colour counts.
-constexpr float kBrightestSun = 10.0f;
-
-float brightest(const vec3& color) {
-    return std::max({color.r, color.g, color.b});
-}
-
-/// The scene's own light: its first sun, else its first lamp. One in unknown units is made as
-/// bright as the default sun: a lamp, where it is seen from the middle of the scene.
-std::optional<Light> stored_light(const Model& model, const dvec3& up) {
-    const std::vector<Light>& lights = model.metadata.lights;
-    if (lights.empty()) return {};
-    const auto sun = std::ranges::find(lights, Light::Kind::sun, &Light::kind);
-    Light light = sun != lights.end() ? *sun : lights.front();
-
-    const float stored = brightest(light.intensity);
-    const bool is_sun = light.kind == Light::Kind::sun;
-    if (!(stored > 0.0f) || (is_sun && stored <= kBrightestSun)) return light;
-    double wanted = brightest(sun_at(0.0, 0.0, up).intensity);
-    if (!is_sun) {
-        const Box box = content_bounds(model.dag, model.grid());
-        const Box lit = box.empty() ? model.grid().bounds() : box;
-        const double distance =
-            std::max(glm::length(light.position - lit.centre()), 0.25 * glm::length(lit.size()));
-        wanted *= distance * distance;
+/// The lights of the arguments; else those of the file; else a sun from the left.
+std::optional<std::vector<Light>> lights_of(const RenderArguments& arguments, const Model& model) {
+    const dvec3& up = arguments.options.up;
+    std::vector<LightArgument> described;
+    if (arguments.sun) described.push_back({.light = unit_sun(*arguments.sun, up)});
+    for (const std::string& text : arguments.lights) {
+        try {
+            described.push_back(parse_light(text, up));
+        } catch (const Error& error) {
+            throw Error(Errc::bad_argument, std::string("--light: ") + error.what());
+        }
     }
-    light.intensity *= static_cast<float>(wanted / stored);
-    return light;
+    const Box box = content_bounds(model.dag, model.grid());
+    const Box lit = box.empty() ? model.grid().bounds() : box;
+    if (!described.empty()) return chosen_lights(described, model.metadata.lights, lit);
+    if (model.metadata.lights.empty()) return std::nullopt;
+    return balanced(model.metadata.lights, lit);
 }
 
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force);
-    const Model model = read_octv(arguments.file, {.trusted = arguments.trusted});
+    if (arguments.primary_mesh && arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--primary mesh needs --dag, the .octv file of the scene");
+    if (!arguments.primary_mesh && !arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--dag goes with --primary mesh only");
+    const Model model = read_octv(arguments.primary_mesh ? arguments.dag : arguments.file,
+                                  {.trusted = arguments.trusted});
+    if (arguments.primary_mesh)
+        arguments.options.primary =
+            primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
 
     RenderOptions& options = arguments.options;
     options.width = static_cast<int>(arguments.size.x);
     options.height = static_cast<int>(arguments.size.y);
     options.smooth_normals = !arguments.flat_normals;
+    if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     options.camera = chosen_camera(arguments, model);
-    options.light = arguments.sun ? sun_at((*arguments.sun)[0], (*arguments.sun)[1], options.up)
-                                  : stored_light(model, options.up);
+    options.lights = lights_of(arguments, model);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
@@ -163,9 +189,22 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {
     add_parsed(command, "--sun", arguments.sun, parse_angles,
-               "Where the sun stands: degrees from +z towards +x, and above the horizon; "
-               "otherwise the scene's own sun or lamp, or one from the left",
+               "Where the sun stands: degrees from +z towards +x, and above the horizon",
                "AZIMUTH,ELEVATION");
+    command
+        .add_option("--light", arguments.lights,
+                    "A light; may be given several times. sun:AZIMUTH,ELEVATION, point:X,Y,Z, "
+                    "spot:X,Y,Z:to=X,Y,Z:angle=DEGREES, disc:X,Y,Z:to=X,Y,Z:size=RADIUS, "
+                    "rectangle:X,Y,Z:to=X,Y,Z:size=WxH, each with :size=, :color=R,G,B, "
+                    ":power=FACTOR; scene or scene=NAME for those of the file, none for the sky "
+                    "alone. Otherwise those of the file, or a sun from the left")
+        ->type_name("LIGHT")
+        ->allow_extra_args(false);
+    command
+        .add_option("--shadow-samples", arguments.options.shadow_samples,
+                    "Soft shadows: rays for each pixel and light, 16")
+        ->type_name("N")
+        ->check(within(1, 65536));
     add_parsed(command, "--shadows", arguments.options.shadows, parse_shadows,
                "none, hard or soft (the default)", "KIND");
     command
@@ -175,9 +214,19 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise a tenth of the scene")
+                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    command
+        .add_option_function<double>(
+            "--ao-cone",
+            [&arguments](double degrees) {
+                arguments.options.ao_cone = degrees * kRadiansPerDegree;
+            },
+            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
+            "there is much detail; 0: never")
+        ->type_name("DEGREES")
+        ->check(within(0.0, 90.0));
     command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
         ->type_name("STOPS")
         ->check(within(-32.0, 32.0));
@@ -189,7 +238,12 @@ void add_render_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("render", "Ray-trace a picture of an .octv file");
     const auto arguments = std::make_shared<RenderArguments>();
     set_help(command, kExamples);
-    command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command
+        .add_option("FILE", arguments->file,
+                    "An .octv file; with --primary mesh the scene that it was built from, or "
+                    "sample:NAME")
+        ->required()
+        ->type_name("");
     command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
         ->required()
@@ -200,6 +254,20 @@ void add_render_command(CLI::App& program) {
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")
         ->check(within(1, 65536));
+    add_parsed(command, "--primary", arguments->primary_mesh, parse_primary,
+               "What is seen: the voxels; or the triangles of a scene (mesh), to which the voxels "
+               "of --dag give shadow and ambient occlusion",
+               "voxels|mesh");
+    command.add_option("--dag", arguments->dag, "With --primary mesh: the scene's .octv file")
+        ->type_name("FILE");
+    command
+        .add_option("--bias", arguments->options.bias,
+                    "With --primary mesh: how far above the triangles rays start, 1; less shows "
+                    "acne, more leaves gaps")
+        ->type_name("FACTOR")
+        ->check(within(0.0, 1000.0));
+    command.add_flag("--no-color", arguments->no_color,
+                     "Clay, even where the file has colours and emission");
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")

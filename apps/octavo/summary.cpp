@@ -44,6 +44,75 @@ std::string size_row(std::string_view label, std::uint64_t bytes, const Statisti
     return fmt::format("  {:<26}{:>14}{:>14.3f}{:>12.2f}\n", label, megabytes(bytes), bits, times);
 }
 
+constexpr std::array<std::string_view, Attributes::kChannels> kChannelNames = {
+    "color", "color, back", "emission", "emission, back", "normal", "normal, back"};
+
+/// Other ways to keep colour and emission of the same cells, as the table of [J].
+struct LooksElsewhere {
+    std::uint64_t nodes_48, nodes_32;  // an octree of nodes with colour and emission
+    std::uint64_t dense;               // a volume texture of 4 bytes of colour and 3 of emission
+    std::uint64_t dxt;                 // DXT5 for colour and DXT1 for emission: 1 and 1/2 byte
+
+    explicit LooksElsewhere(const Metadata& metadata) {
+        const AttributeSummary& attributes = *metadata.attributes;
+        std::uint64_t nodes = attributes.cells;
+        for (const LevelStatistics& level : metadata.statistics.levels)
+            if (level.level < attributes.level) nodes += level.svo_nodes;
+        const std::uint64_t volume = std::uint64_t{1} << 3 * attributes.level;
+        nodes_48 = nodes * 48;
+        nodes_32 = nodes * 32;
+        dense = volume * 7;
+        dxt = volume + volume / 2;
+    }
+};
+
+std::string cell_row(std::string_view label, std::uint64_t bytes, std::uint64_t cells) {
+    return fmt::format("  {:<26}{:>14}{:>14.3f}\n", label, megabytes(bytes),
+                       cells == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(cells));
+}
+
+std::string attribute_table(const OctvSummary& summary) {
+    const AttributeSummary& attributes = *summary.metadata.attributes;
+    std::string text = "\n";
+    text += count_row("cells", attributes.cells,
+                      fmt::format("   with attributes, of {0} x {0} x {0}; {1}",
+                                  std::uint64_t{1} << attributes.level,
+                                  attributes.tolerance == 0 ? "lossless"
+                                                            : fmt::format("colors within {} of 255",
+                                                                          attributes.tolerance)));
+    text += fmt::format("\n  {:<26}{:>14}{:>14}\n", "", "size", "bytes/cell");
+    std::uint64_t all = 0;
+    for (std::size_t c = 0; c < kChannelNames.size(); ++c) {
+        if (summary.attribute_bytes[c] == 0) continue;
+        all += summary.attribute_bytes[c];
+        text += cell_row(kChannelNames[c], summary.attribute_bytes[c], attributes.cells);
+    }
+    const LooksElsewhere elsewhere(summary.metadata);
+    text += cell_row("all attributes", all, attributes.cells);
+    text += cell_row("octree, 32 bytes/node", elsewhere.nodes_32, attributes.cells);
+    text += cell_row("octree, 48 bytes/node", elsewhere.nodes_48, attributes.cells);
+    text += cell_row("volume, DXT5 and DXT1", elsewhere.dxt, attributes.cells);
+    text += cell_row("volume, 7 bytes", elsewhere.dense, attributes.cells);
+    return text;
+}
+
+Json attribute_json(const OctvSummary& summary) {
+    const AttributeSummary& attributes = *summary.metadata.attributes;
+    Json bytes = Json::object();
+    for (std::size_t c = 0; c < kChannelNames.size(); ++c)
+        if (summary.attribute_bytes[c] != 0)
+            bytes[std::string(kChannelNames[c])] = summary.attribute_bytes[c];
+    const LooksElsewhere elsewhere(summary.metadata);
+    return {{"resolution", std::uint64_t{1} << attributes.level},
+            {"cells", attributes.cells},
+            {"tolerance", attributes.tolerance},
+            {"bytes", std::move(bytes)},
+            {"octree_32_byte_nodes_bytes", elsewhere.nodes_32},
+            {"octree_48_byte_nodes_bytes", elsewhere.nodes_48},
+            {"dense_volume_bytes", elsewhere.dense},
+            {"dxt_volume_bytes", elsewhere.dxt}};
+}
+
 }  // namespace
 
 std::string grouped(std::uint64_t number) {
@@ -79,28 +148,31 @@ Json summary_json(const OctvSummary& summary) {
     Json lights = Json::array();
     for (const Light& light : metadata.lights) lights.push_back(light.name);
 
-    return {{"source", metadata.source},
-            {"resolution", metadata.grid.resolution()},
-            {"depth", metadata.grid.depth},
-            {"rule", name(metadata.rule)},
-            {"voxels", statistics.voxels},
-            {"svo_nodes", statistics.svo_nodes},
-            {"dag_nodes", statistics.dag_nodes},
-            {"dag_bytes", statistics.dag_bytes},
-            {"bits_per_voxel", statistics.bits_per_voxel()},
-            {"pointerless_svo_bytes", statistics.pointerless_svo_bytes()},
-            {"svo_32_byte_nodes_bytes", statistics.josh_svo_bytes(32)},
-            {"svo_48_byte_nodes_bytes", statistics.josh_svo_bytes(48)},
-            {"file_bytes", summary.file_bytes},
-            {"compressed", summary.compressed},
-            {"world_bounds", {{"low", point_json(bounds.low)}, {"high", point_json(bounds.high)}}},
-            {"voxel_size", metadata.grid.voxel_size},
-            {"triangles", metadata.triangles},
-            {"degenerate_triangles", metadata.degenerate_triangles},
-            {"non_finite_triangles", metadata.non_finite_triangles},
-            {"cameras", std::move(cameras)},
-            {"lights", std::move(lights)},
-            {"levels", std::move(levels)}};
+    Json json = {
+        {"source", metadata.source},
+        {"resolution", metadata.grid.resolution()},
+        {"depth", metadata.grid.depth},
+        {"rule", name(metadata.rule)},
+        {"voxels", statistics.voxels},
+        {"svo_nodes", statistics.svo_nodes},
+        {"dag_nodes", statistics.dag_nodes},
+        {"dag_bytes", statistics.dag_bytes},
+        {"bits_per_voxel", statistics.bits_per_voxel()},
+        {"pointerless_svo_bytes", statistics.pointerless_svo_bytes()},
+        {"svo_32_byte_nodes_bytes", statistics.josh_svo_bytes(32)},
+        {"svo_48_byte_nodes_bytes", statistics.josh_svo_bytes(48)},
+        {"file_bytes", summary.file_bytes},
+        {"compressed", summary.compressed},
+        {"world_bounds", {{"low", point_json(bounds.low)}, {"high", point_json(bounds.high)}}},
+        {"voxel_size", metadata.grid.voxel_size},
+        {"triangles", metadata.triangles},
+        {"degenerate_triangles", metadata.degenerate_triangles},
+        {"non_finite_triangles", metadata.non_finite_triangles},
+        {"cameras", std::move(cameras)},
+        {"lights", std::move(lights)},
+        {"levels", std::move(levels)}};
+    if (metadata.attributes) json["attributes"] = attribute_json(summary);
+    return json;
 }
 
 std::string summary_table(const OctvSummary& summary) {
@@ -133,6 +205,7 @@ std::string summary_table(const OctvSummary& summary) {
     text += size_row("SVO, 48 bytes/node", statistics.josh_svo_bytes(48), statistics);
     text += size_row(summary.compressed ? "this file, compressed" : "this file", summary.file_bytes,
                      statistics);
+    if (metadata.attributes) text += attribute_table(summary);
     return text;
 }
 

@@ -44,6 +44,10 @@
 #include "octavo/dag/node.h"        // what the words mean
 #include "octavo/dag/statistics.h"  // compute_statistics: voxels, nodes and bytes by level
 
+// What the voxels look like.
+#include "octavo/attributes/attributes.h"        // Attributes: colour, emission, normal by cell
+#include "octavo/attributes/build_attributes.h"  // build_attributes: from the scene's triangles
+
 // The .octv file.
 #include "octavo/io/model.h"  // Model: a Dag, its Grid and where it came from
 #include "octavo/io/octv.h"   // write_octv, read_octv, read_octv_summary

@@ -9,6 +9,7 @@ namespace {
 
 Light sun_towards(const dvec3& direction) {
     Light sun;
+    sun.name = "east";
     sun.direction = glm::normalize(direction);
     sun.intensity = vec3(2.0f);
     return sun;
@@ -38,9 +39,12 @@ const Light kMorning = sun_towards({1, -1, -0.5});
 const Light kEvening = sun_towards({-1, -1, 0.5});
 const Light kLamp = lamp_at({-11, 4, 0}, 50.0f);
 
-TEST(RenderLight, IsTheFirstSunOfTheFile) {
+TEST(RenderLight, IsThatOfTheFile) {
     EXPECT_TRUE(picture({kMorning}) != picture({kEvening}));
-    EXPECT_TRUE(picture({kLamp, kMorning, kEvening}) == picture({kMorning}));
+    EXPECT_TRUE(picture({kLamp, kMorning, kEvening}) != picture({kMorning}));
+    EXPECT_TRUE(picture({kLamp, kMorning}) == picture({kLamp, kMorning}, "--light scene"));
+    EXPECT_TRUE(picture({kLamp, kMorning}, "--light scene=east") ==
+                picture({kMorning}, "--light scene"));
 }
 
 TEST(RenderLight, IsALampWhereThereIsNoSun) {
@@ -48,9 +52,70 @@ TEST(RenderLight, IsALampWhereThereIsNoSun) {
     EXPECT_TRUE(picture({kLamp}) != picture({lamp_at({-11, 1, 0}, 50.0f)}));
 }
 
+TEST(RenderAmbient, StopsAtAnAngleOnlyWhereItIsAskedFor) {
+    const TemporaryFolder folder;
+    const std::string render = "octavo render " + small_octv().string() + " --size 48x27 --ao 16 ";
+    ASSERT_EQ(run_shell(folder.path(), render + "-o a.png").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o b.png --ao-cone 0").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o c.png --ao-cone 30").code, 0);
+    EXPECT_TRUE(file_content(folder / "a.png") == file_content(folder / "b.png"));
+    EXPECT_TRUE(file_content(folder / "a.png") != file_content(folder / "c.png"));
+}
+
+TEST(RenderPrimary, ShowsTheTrianglesInTheVoxelsShadow) {
+    const TemporaryFolder folder;
+    write_octv(folder / "a.octv", read_octv(small_octv()));
+    const std::string mesh = "octavo render sample:courtyard -o mesh.png --size 96x54 --ao 16 ";
+    const Outcome outcome = run_shell(folder.path(), mesh + "--primary mesh --dag a.octv");
+    if (outcome.err.find("built without Embree") != std::string::npos)
+        GTEST_SKIP() << "no Embree (libembree-dev)";
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    ASSERT_EQ(
+        run_shell(folder.path(), "octavo render a.octv -o voxels.png --size 96x54 --ao 16").code,
+        0);
+    EXPECT_TRUE(file_content(folder / "mesh.png") != file_content(folder / "voxels.png"));
+    EXPECT_EQ(run_shell(folder.path(), mesh + "-f --primary mesh").code, 2);
+    EXPECT_EQ(run_shell(folder.path(), "octavo render a.octv -o b.png --dag a.octv").code, 2);
+}
+
 TEST(RenderLight, IsTheOneThatWasAskedFor) {
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") == picture({}, "--sun 30,40"));
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") != picture({kMorning}));
+}
+
+TEST(RenderLight, ComesFromEveryLightThatWasAskedFor) {
+    const std::string one = picture({}, "--light point:-11,4,0");
+    const std::string two = picture({}, "--light point:-11,4,0 --light sun:30,40");
+    EXPECT_TRUE(one != two);
+    EXPECT_TRUE(two != picture({}, "--light sun:30,40"));
+    EXPECT_TRUE(picture({}, "--sun 30,40") == picture({}, "--light sun:30,40"));
+    EXPECT_TRUE(picture({}, "--light point:-11,4,0:power=1:color=3,3,3") == one);
+    EXPECT_TRUE(picture({}, "--light point:-11,4,0:power=2") != one);
+    EXPECT_TRUE(picture({kMorning}, "--light none") == picture({kEvening}, "--light none"));
+    std::string last = one;
+    for (const char* lamp : {"spot:-11,4,0:to=0,0,0:angle=40", "disc:-11,4,0:to=0,0,0:size=0.5",
+                             "rectangle:-11,4,0:to=0,0,0:size=3x2"}) {
+        const std::string next = picture({}, std::string("--light ") + lamp);
+        EXPECT_TRUE(next != last) << lamp;
+        last = next;
+    }
+}
+
+TEST(RenderLight, IsRefusedWhereItMakesNoSense) {
+    const TemporaryFolder folder;
+    Model dark = read_octv(small_octv());
+    dark.metadata.lights.clear();
+    write_octv(folder / "a.octv", dark);
+    for (const char* light :
+         {"moon:1,2,3", "sun", "sun:1", "point:1,2", "disc:0,1,0:size=1", "disc:0,1,0:to=0,0,0",
+          "disc:0,1,0:to=0,1,0:size=1", "rectangle:0,1,0:to=0,0,0:size=3", "point:0,1,0:angle=3",
+          "point:0,1,0:size", "point:0,1,0:color=0,0,0", "spot:0,1,0:to=0,0,0:angle=90",
+          "scene=nobody", "scene"}) {
+        const Outcome outcome =
+            run_shell(folder.path(),
+                      std::string("octavo render a.octv -o a.png --size 8x8 --light ") + light);
+        EXPECT_EQ(outcome.code, 2) << light << outcome.err;
+    }
 }
 
 TEST(RenderLight, IsAsBrightInCandelaAsInNothingAtAll) {

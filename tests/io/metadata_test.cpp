@@ -57,6 +57,31 @@ TEST(Metadata, SurvivesTheRoundTripExactly) {
     EXPECT_EQ(encode_metadata(back), json);
 }
 
+TEST(Metadata, KeepsLampsWithAnArea) {
+    Metadata metadata = test::small_model().metadata;
+    Light rectangle;
+    rectangle.kind = Light::Kind::rectangle;
+    rectangle.half_u = {0.1, 0, 2};
+    rectangle.half_v = {0, 1.0 / 3.0, 0};
+    Light disc;
+    disc.kind = Light::Kind::disc;
+    disc.size = 0.7;
+    Light mesh;
+    mesh.kind = Light::Kind::mesh;
+    mesh.triangles = {{dvec3(1, 2, 3), dvec3(0.1, 0.2, 0.3), dvec3(7, 8, 9)}, {}};
+    metadata.lights = {rectangle, disc, mesh};
+    const std::string json = encode_metadata(metadata);
+    const Metadata back = decode_metadata(json);
+    ASSERT_EQ(back.lights.size(), 3u);
+    EXPECT_EQ(back.lights[0].half_u, rectangle.half_u);
+    EXPECT_EQ(back.lights[0].half_v, rectangle.half_v);
+    EXPECT_EQ(back.lights[1].size, 0.7);
+    EXPECT_EQ(back.lights[2].triangles, mesh.triangles);
+    EXPECT_EQ(encode_metadata(back), json);
+    EXPECT_NE(refusal(replaced(json, R"("triangles":[1.0,)", R"("triangles":[)")), "");
+    EXPECT_NE(refusal(replaced(json, R"("size":0.7)", R"("size":-0.7)")), "");
+}
+
 TEST(Metadata, KeepsTheFileReadableWhateverANameHolds) {
     Metadata metadata = test::small_model().metadata;
     metadata.source = "\xff\xfe broken";
@@ -96,7 +121,7 @@ TEST(Metadata, NamesTheFieldThatIsWrong) {
     EXPECT_EQ(refusal_of(R"("origin":[-1.0,)", R"("origin":[)"),
               "metadata: /grid/origin does not have three numbers");
     EXPECT_EQ(refusal_of(R"("kind":"spot")", R"("kind":"moon")"),
-              "metadata: /lights/0/kind is not sun, point or spot");
+              "metadata: /lights/0/kind is not sun, point, spot, disc, rectangle or mesh");
     EXPECT_EQ(refusal_of(R"("degenerate":2)", R"("degenerate":13)"),
               "metadata: /triangles/degenerate is 13; at most 12 is possible");
     EXPECT_EQ(refusal_of(R"("source":)", R"("sauce":)"), "metadata: /source is missing");

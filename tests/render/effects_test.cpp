@@ -126,15 +126,14 @@ TEST(Shadow, LampSamplesAgreeWithRaysInDouble) {
         const s::GridRay start{ivec3(world.origin), vec3(world.origin - glm::floor(world.origin)),
                                vec3(0, 0, 1), 0.0f, 1e30f};
         const bool sun = k % 2 == 0;
-        const s::LampDisc lamp{sun ? vec3(random.direction()) : vec3(random.direction()) * 30.0f,
-                               sun ? 0.1f : 3.0f, sun ? 1e30f : 1.0f};
+        const s::LampPatch lamp =
+            s::facing_disc(sun ? vec3(random.direction()) : vec3(random.direction()) * 30.0f,
+                           sun ? 0.1f : 3.0f, sun ? 1e30f : 1.0f);
         for (int i = 0; i < 16; ++i) {
             const bool seen = lamp_samples_seen(s::view(dag), start, s::kFaceNone, lamp, kToVoxels,
                                                 i, i + 1, 7u) == 1;
-            const vec2 disc =
-                lamp.radius * s::disc_point(s::sample_2d(static_cast<std::uint32_t>(i), 7u));
-            const vec3 dir =
-                lamp.to_centre + s::from_frame(glm::normalize(lamp.to_centre), vec3(disc, 0.0f));
+            const vec2 disc = s::disc_point(s::sample_2d(static_cast<std::uint32_t>(i), 7u));
+            const vec3 dir = lamp.centre + disc.x * lamp.u + disc.y * lamp.v;
             const bool blocked = test::trace_exact(dag, {dvec3(start.cell) + dvec3(start.frac),
                                                          dvec3(dir), 0.0, lamp.t_end})
                                      .found;
@@ -147,12 +146,34 @@ TEST(Shadow, LampSamplesAgreeWithRaysInDouble) {
     EXPECT_GT(dark, 200);
 }
 
+/// A light of this kind that may be seen from about `at`, with what is random made so.
+Light some_light(Light::Kind kind, const dvec3& at, test::RandomRays& random) {
+    Light light;
+    light.kind = kind;
+    light.position = at + 60.0 * random.direction();
+    light.direction =
+        kind == Light::Kind::sun ? random.direction() : glm::normalize(at - light.position);
+    light.size = random.uniform(0, 1) < 0.2 ? 0.0 : random.uniform(0, 0.2);
+    if (kind != Light::Kind::sun) light.size *= 60.0;
+    const dvec3 across = glm::normalize(glm::cross(light.direction, random.direction()));
+    light.half_u = random.uniform(1, 9) * across;
+    light.half_v = random.uniform(1, 9) * glm::cross(across, light.direction);
+    for (int i = 0; i < 20; ++i) {
+        const dvec3 corner = light.position + 8.0 * random.direction();
+        light.triangles.push_back(
+            {corner, corner + 4.0 * random.direction(), corner + 4.0 * random.direction()});
+    }
+    return light;
+}
+
 TEST(Shadow, IntervalOfALampsBundleChangesNoRay) {
     const Dag dags[] = {test::dust(8, 0.45, 3), test::slanted_wall(8, {3, -5, 7}, 300)};
+    const Grid grid{dvec3(0), 1.0, 8};
     test::RandomRays random(12, 256);
     int untraced = 0;
     int cut = 0;
-    for (int k = 0; k < 1200; ++k) {
+    int rays = 0;
+    for (int k = 0; k < 2400; ++k) {
         const Dag& dag = dags[k % 2];
         const s::DagView view = s::view(dag);
         const Ray at = random(test::RandomRays::inside);
@@ -162,18 +183,23 @@ TEST(Shadow, IntervalOfALampsBundleChangesNoRay) {
         const bool on_face = hit.face < s::kFaceInside;
         const s::GridRay start = on_face ? leave_hit(eye, hit, vec3(0, 0, 1)) : eye;
         const int face = on_face ? hit.face : s::kFaceNone;
-        const bool sun = k % 3 == 0;
-        const float size = k % 5 == 0 ? 0.0f : static_cast<float>(random.uniform(0, 0.2));
-        const s::LampDisc lamp{vec3(random.direction()) * (sun ? 1.0f : 60.0f),
-                               sun ? size : 60.0f * size, sun ? 1e30f : 1.0f};
-        s::Bundle bundle = lamp_bundle(start, face, lamp);
+        const auto kind = static_cast<Light::Kind>(k / 2 % 6);
+        const Lamp lamp(some_light(kind, dvec3(start.cell), random), grid);
+        const SeenLamp seen(lamp, start, face, vec3(random.direction()), k % 7 == 0);
+        if (seen.dark()) continue;
+        s::Bundle bundle = seen.bundle();
+        const float t_end = bundle.t_max;
         const float first = bundle.t_min = beam_start(view, bundle, kToVoxels);
-        const float last = first < lamp.t_end ? beam_end(view, bundle, kToVoxels) : first;
+        const float last = first < t_end ? beam_end(view, bundle, kToVoxels) : first;
         untraced += !(first < last);
-        cut += first > 0.0f || last < lamp.t_end;
+        cut += first > 0.0f || last < t_end;
+        float brute = 0.0f;
         for (int i = 0; i < 64; ++i) {
-            s::GridRay ray = lamp_ray(start, face, lamp, i, 5u);
+            auto [ray, light] = seen.ray(i, 5u);
+            if (!(light > 0.0f)) continue;
+            ++rays;
             const s::GridHit whole = trace_closest(view, ray, kToVoxels);
+            if (whole.face == s::kFaceNone) brute += light;
             ray.t_min = first;
             ray.t_max = last;
             const s::GridHit part = trace_closest(view, ray, kToVoxels);
@@ -182,18 +208,15 @@ TEST(Shadow, IntervalOfALampsBundleChangesNoRay) {
                 ASSERT_EQ(whole.path, part.path) << k << " " << i;
             }
         }
-        RayQueue with(dag, kToVoxels);
-        RayQueue without(dag, kToVoxels);
-        with.begin_group();
-        without.begin_group();
-        queue_lamp_rays(view, start, face, lamp, 0, 64, 5u, true, with);
-        queue_lamp_rays(view, start, face, lamp, 0, 64, 5u, false, without);
-        with.trace();
-        without.trace();
-        const int brute = lamp_samples_seen(view, start, face, lamp, kToVoxels, 0, 64, 5u);
-        ASSERT_EQ(with.seen(0), brute);
-        ASSERT_EQ(without.seen(0), brute);
+        for (const bool beam : {false, true}) {
+            RayQueue queue(dag, kToVoxels);
+            queue.begin_group();
+            queue_lamp_rays(view, seen, 0, 64, 5u, beam, queue);
+            queue.trace();
+            ASSERT_EQ(queue.seen(0), brute) << k << " " << beam;
+        }
     }
+    EXPECT_GT(rays, 40000);
     EXPECT_GT(untraced, 50);
     EXPECT_GT(cut, 400);
 }

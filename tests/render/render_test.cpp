@@ -67,7 +67,7 @@ TEST(Render, LitPlaneHasNoAcne) {
             RenderOptions options = small_picture();
             options.camera = look_at({128, 230, 128.1}, {128, 128, 128}, {0, 0, 1}, 0.5);
             const dvec3 normal = glm::normalize(dvec3(a));
-            options.light = sun_at(0.4, elevation, normal);
+            options.lights = {sun_at(0.4, elevation, normal)};
             options.shadows = Shadows::soft;
             options.ao_radius = 20.0;
             const Image image = render(dag, grid, options);
@@ -92,7 +92,7 @@ TEST(Render, ChangeOfLevelLeavesNoLineOnAFloor) {
         RenderOptions options = small_picture();
         options.camera = look_at({20, 290, 256}, {256, 257, 256}, {0, 1, 0}, 0.25);
         options.smooth_normals = smooth;
-        options.light = sun_at(0.4, 1.0);
+        options.lights = {sun_at(0.4, 1.0)};
         options.ao_radius = 5.0;
         const Image image = render(dag, {dvec3(0), 1.0, 9}, options);
         int floor = 0;
@@ -110,8 +110,8 @@ TEST(Render, FacesOfAnAxisAlignedPlaneAreEvenToTheBit) {
     RenderOptions options = small_picture();
     options.camera = look_at({64, 120, 64.1}, {64, 64, 64}, {0, 0, 1}, 0.5);
     options.smooth_normals = false;
-    options.light = sun_at(0.4, 0.02);  // grazing: every ray runs along the faces
-    options.light_size = 0.01;
+    options.lights = {sun_at(0.4, 0.02)};  // grazing: every ray runs along the faces
+    options.lights->front().size = 0.01;
     const Image image = render(dag, {dvec3(0), 1.0, 7}, options);
     for (const vec3& color : image.color) ASSERT_EQ(color, image.color[0]);
 }
@@ -124,7 +124,7 @@ TEST(Render, SunAndLampsCastShadowsOntoTheFloor) {
         options.samples = 1;
         options.ao_samples = 0;
         options.shadows = shadows;
-        options.light = light;
+        options.lights = {light};
         options.camera = look_at(at + dvec3(0, 4, 0.01), at, {0, 0, 1}, 0.1);
         return render(sphere_on_floor(), grid, options).color[0].x;
     };
@@ -150,6 +150,104 @@ TEST(Render, SunAndLampsCastShadowsOntoTheFloor) {
     EXPECT_EQ(brightness(spot, Shadows::none, {124, 21, 124}),
               brightness(lamp, Shadows::none, {124, 21, 124}));
     EXPECT_EQ(brightness(spot, Shadows::hard, corner), brightness(lamp, Shadows::hard, corner));
+}
+
+/// A floor z < 20 below a panel of voxels at z = 90, which is where the lamps are.
+Dag floor_below_panel() {
+    const auto in = [](const dvec3& v) {
+        return v.z < 20 || (v.z == 90 && std::abs(v.x - 64) < 9 && std::abs(v.y - 64) < 5);
+    };
+    return test::dag_of(
+        7, [](const uvec3&, std::uint32_t) { return true; },
+        [&](const uvec3& v) { return in(dvec3(v)); });
+}
+
+TEST(Render, LampsWithAnAreaGiveTheLightOfTheirIntegral) {
+    const Grid grid{{3, -2, 1}, 0.25, 7};
+    const Dag dag = floor_below_panel();
+    const double width = 8.0 * grid.voxel_size, height = 4.0 * grid.voxel_size;
+    Light rectangle;
+    rectangle.kind = Light::Kind::rectangle;
+    rectangle.position = grid.to_world({64, 64, 90});
+    rectangle.direction = {0, 0, -1};
+    rectangle.half_u = {width, 0, 0};
+    rectangle.half_v = {0, height, 0};
+    Light disc = rectangle;
+    disc.kind = Light::Kind::disc;
+    disc.size = height;
+    Light mesh = rectangle;
+    mesh.kind = Light::Kind::mesh;
+    const dvec3 corner = rectangle.position - rectangle.half_u - rectangle.half_v;
+    const dvec3 u = 2.0 * rectangle.half_u, v = 2.0 * rectangle.half_v;
+    mesh.triangles = {{corner, corner + u, corner + v}, {corner + u, corner + v, corner + u + v}};
+
+    for (const dvec3& at : {dvec3(64.3, 64.2, 20), dvec3(90.3, 50.2, 20), dvec3(20.4, 101.3, 20)}) {
+        const auto light = [&](const std::vector<Light>& lights) {
+            RenderOptions options;
+            options.width = options.height = 1;
+            options.samples = 1;
+            options.shadow_samples = 4096;
+            options.ao_samples = 0;
+            options.smooth_normals = false;
+            options.lights = lights;
+            const dvec3 target = grid.to_world(at);
+            options.camera = look_at(target + dvec3(0, 0.001, 1), target, {0, 1, 0}, 1e-6);
+            return static_cast<double>(render(dag, grid, options).color[0].x);
+        };
+        const double dark = light({});
+        // The integral of cosine times cosine over the distance squared, by small squares.
+        const auto expected = [&](bool round) {
+            double sum = 0.0;
+            const int n = 400;
+            for (int i = 0; i < n * n; ++i) {
+                const double a = (i % n + 0.5) / n * 2 - 1, b = (i / n + 0.5) / n * 2 - 1;
+                if (round && a * a + b * b > 1.0) continue;
+                const dvec3 way = rectangle.position +
+                                  dvec3(a * (round ? height : width), b * height, 0.0) -
+                                  grid.to_world(at);
+                const double d = glm::length(way);
+                sum += (way.z / d) * (way.z / d) / (d * d);
+            }
+            const double area = round ? 4 * height * height : 4 * width * height;
+            return 0.78 / 3.141592653589793 * sum * area / (n * n);
+        };
+        const double as_rectangle = expected(false);
+        EXPECT_NEAR(light({rectangle}) - dark, as_rectangle, 0.01 * as_rectangle) << at.x;
+        EXPECT_NEAR(light({mesh}) - dark, as_rectangle, 0.01 * as_rectangle) << at.x;
+        EXPECT_NEAR(light({disc}) - dark, expected(true), 0.01 * expected(true)) << at.x;
+        EXPECT_NEAR(light({rectangle, disc}) - dark, as_rectangle + expected(true),
+                    0.01 * (as_rectangle + expected(true)));
+        // Seen from behind there is nothing; a mesh shines to both sides.
+        Light away = rectangle;
+        away.direction = {0, 0, 1};
+        EXPECT_EQ(light({away}), dark);
+    }
+}
+
+/// Finds a wall y = 12.5 that hides the lower half of the grid, which is no voxels.
+void find_floor(std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const double t = (12.5 - rays[i].origin.y) / rays[i].direction.y;
+        if (t > 0.0) hits[i] = {t, vec3(0, -3, 0)};
+    }
+}
+
+TEST(Render, SurfaceOfTheCallerIsSeenInPlaceOfTheVoxels) {
+    RenderOptions options = small_picture();
+    options.camera = look_at({5, 17, 20}, {5, 12.5, 13}, {0, 1, 0}, 0.6);
+    options.samples = 1;
+    options.ao_radius = 3.0;
+    options.lights = {sun_at(0.0, 1.5707963)};
+    options.primary = find_floor;
+    const Image image = render(sphere_on_floor(), kGrid, options);
+    // The sphere is not seen, yet it shades what is below it, and the floor is nowhere dark beside.
+    const vec3 below = image.color[image.index(41, 22)];
+    const vec3 beside = image.color[image.index(2, 43)];
+    EXPECT_LT(below.x, 0.5f * beside.x);
+    EXPECT_NEAR(image.depth[image.index(41, 22)], std::sqrt(4.5 * 4.5 + 7.0 * 7.0), 0.01);
+    options.primary = [](std::span<const Ray>, std::span<SurfaceHit>) {};
+    for (const float depth : render(sphere_on_floor(), kGrid, options).depth)
+        ASSERT_EQ(depth, std::numeric_limits<float>::infinity());
 }
 
 TEST(Render, DepthIsWorldDistanceAlongTheView) {

@@ -23,11 +23,12 @@ const std::string kUseAll = R"(
     beam.t_min = 0.0f; beam.t_max = 9.0f; beam.spread = 0.1f;
     ray.t_min = beam_start(dag, beam, stop);
     GridHit hit = trace_closest(dag, ray, stop);
-    LampDisc lamp; lamp.to_centre = vec3(0.0f, 1.0f, 0.0f); lamp.radius = 0.1f; lamp.t_end = 9.0f;
+    LampPatch lamp = facing_disc(vec3(0.0f, 1.0f, 0.0f), 0.1f, 9.0f);
+    ray.t_min = beam_start(dag, lamp_bundle(ray, hit.face, lamp), stop);
     uint seed = pixel_seed(1u, 2u, 3u);
     ray = leave_hit(ray, hit, vec3(0.0f, 1.0f, 0.0f));
     int seen = lamp_samples_seen(dag, ray, hit.face, lamp, stop, 0, 4, seed) +
-               sky_samples_seen(dag, ray, hit.face, lamp.to_centre, 9.0f, stop, 0, 4, seed);
+               sky_samples_seen(dag, ray, hit.face, lamp.centre, 9.0f, stop, 0, 4, seed);
     bool dark = seen == 0 && trace_any(dag, leave_hit(ray, hit, vec3(0.0f, 1.0f, 0.0f)), stop);
 )";
 

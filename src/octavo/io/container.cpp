@@ -101,7 +101,8 @@ void check_section(const Section& section, std::uint64_t at, std::uint64_t previ
     if (!(section.flags & kZstd) && section.raw_bytes != section.stored_bytes)
         refuse("section-size", "is not compressed, yet has two sizes",
                offsetof(Section, raw_bytes));
-    const bool known = section.id == kMetadataSection || section.id == kDagSection;
+    const bool known = section.id == kMetadataSection || section.id == kDagSection ||
+                       std::ranges::count(kAttributeSections, section.id) > 0;
     if (!known && section.flags & kRequired)
         throw FormatError(
             Errc::unsupported, "section-unknown", path,

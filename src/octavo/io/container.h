@@ -45,6 +45,10 @@ static_assert(sizeof(FileHeader) == 64);
 }
 inline constexpr std::uint32_t kMetadataSection = section_id("META");
 inline constexpr std::uint32_t kDagSection = section_id("DAG ");
+/// One for each channel of Attributes, in that order. A reader may do without them.
+inline constexpr std::array<std::uint32_t, 6> kAttributeSections = {
+    section_id("ACOL"), section_id("ABCK"), section_id("AEMI"),
+    section_id("AEMB"), section_id("ANRM"), section_id("ANRB")};
 
 /// A reader that does not know the section's id must refuse the file.
 inline constexpr std::uint32_t kRequired = 1;

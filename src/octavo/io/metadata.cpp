@@ -16,7 +16,8 @@ using Json = nlohmann::ordered_json;  // keeps the order of keys: equal metadata
 
 constexpr int kMaxNesting = 8;
 constexpr std::size_t kMaxValues = 1'000'000;
-constexpr std::array<std::string_view, 3> kLightKinds = {"sun", "point", "spot"};
+constexpr std::array<std::string_view, 6> kLightKinds = {"sun",  "point",     "spot",
+                                                         "disc", "rectangle", "mesh"};
 
 template <typename Vector>
 Json vector_json(const Vector& v) {
@@ -40,14 +41,28 @@ Json camera_json(const Camera& camera) {
             {"vertical_fov", number_json(camera.vertical_fov)}};
 }
 
+/// What only some kinds have is left out of the others.
 Json light_json(const Light& light) {
-    return {{"name", light.name},
-            {"kind", kLightKinds[static_cast<std::size_t>(light.kind)]},
-            {"position", vector_json(light.position)},
-            {"direction", vector_json(light.direction)},
-            {"intensity", vector_json(light.intensity)},
-            {"inner_angle", number_json(light.inner_angle)},
-            {"outer_angle", number_json(light.outer_angle)}};
+    Json json = {{"name", light.name},
+                 {"kind", kLightKinds[static_cast<std::size_t>(light.kind)]},
+                 {"position", vector_json(light.position)},
+                 {"direction", vector_json(light.direction)},
+                 {"intensity", vector_json(light.intensity)},
+                 {"inner_angle", number_json(light.inner_angle)},
+                 {"outer_angle", number_json(light.outer_angle)}};
+    if (light.size != 0.0) json["size"] = number_json(light.size);
+    if (light.kind == Light::Kind::rectangle) {
+        json["half_u"] = vector_json(light.half_u);
+        json["half_v"] = vector_json(light.half_v);
+    }
+    if (light.kind == Light::Kind::mesh) {
+        Json& triangles = json["triangles"] = Json::array();
+        for (const auto& corners : light.triangles)
+            for (const dvec3& corner : corners)
+                for (const double number : {corner.x, corner.y, corner.z})
+                    triangles.push_back(number_json(number));
+    }
+    return json;
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -64,6 +79,9 @@ public:
         const auto found = json_.find(key);
         if (found == json_.end()) refuse(name_ + "/" + key + " is missing");
         return {*found, name_ + "/" + key};
+    }
+    [[nodiscard]] bool has(const char* key) const {
+        return json_.is_object() && json_.contains(key);
     }
     [[nodiscard]] std::vector<Field> items() const {
         if (!json_.is_array()) refuse(name_ + " is not an array");
@@ -114,19 +132,36 @@ Camera decode_camera(const Field& json) {
             .vertical_fov = json["vertical_fov"].number()};
 }
 
+std::vector<std::array<dvec3, 3>> decode_triangles(const Field& json) {
+    const std::vector<Field> numbers = json.items();
+    if (numbers.size() % 9 != 0) refuse(json.name() + " is not nine numbers for each triangle");
+    std::vector<std::array<dvec3, 3>> triangles(numbers.size() / 9);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        triangles[i / 9][i / 3 % 3][static_cast<int>(i % 3)] = numbers[i].number();
+    return triangles;
+}
+
 Light decode_light(const Field& json) {
     Light light;
     light.name = json["name"].text();
     const std::string kind = json["kind"].text();
     std::size_t index = 0;
     while (index < kLightKinds.size() && kLightKinds[index] != kind) ++index;
-    if (index == kLightKinds.size()) refuse(json.name() + "/kind is not sun, point or spot");
+    if (index == kLightKinds.size())
+        refuse(json.name() + "/kind is not sun, point, spot, disc, rectangle or mesh");
     light.kind = static_cast<Light::Kind>(index);
     light.position = json["position"].vector<dvec3>();
     light.direction = json["direction"].vector<dvec3>();
     light.intensity = json["intensity"].vector<vec3>();
     light.inner_angle = json["inner_angle"].number();
     light.outer_angle = json["outer_angle"].number();
+    if (json.has("size")) light.size = json["size"].number();
+    if (light.size < 0.0) refuse(json.name() + "/size is below 0");
+    if (light.kind == Light::Kind::rectangle) {
+        light.half_u = json["half_u"].vector<dvec3>();
+        light.half_v = json["half_v"].vector<dvec3>();
+    }
+    if (light.kind == Light::Kind::mesh) light.triangles = decode_triangles(json["triangles"]);
     return light;
 }
 
@@ -177,6 +212,15 @@ Statistics decode_statistics(const Field& json, int depth) {
     return statistics;
 }
 
+AttributeSummary decode_attributes(const Field& json, int depth) {
+    AttributeSummary attributes;
+    attributes.level = static_cast<int>(json["level"].count(static_cast<std::uint64_t>(depth)));
+    if (attributes.level < kMinDepth) refuse("/attributes/level is below 2");
+    attributes.cells = json["cells"].count(std::uint64_t{1} << 3 * attributes.level);
+    attributes.tolerance = static_cast<int>(json["tolerance"].count(255));
+    return attributes;
+}
+
 Json parse(std::string_view text) {
     std::size_t values = 0;
     const auto bounded = [&](int nesting, Json::parse_event_t, Json&) {
@@ -206,20 +250,24 @@ std::string encode_metadata(const Metadata& metadata) {
     Json lights = Json::array();
     for (const Light& light : metadata.lights) lights.push_back(light_json(light));
 
-    const Json json = {{"source", metadata.source},
-                       {"rule", name(metadata.rule)},
-                       {"grid",
-                        {{"origin", vector_json(metadata.grid.origin)},
-                         {"voxel_size", number_json(metadata.grid.voxel_size)},
-                         {"depth", metadata.grid.depth}}},
-                       {"triangles",
-                        {{"total", metadata.triangles},
-                         {"degenerate", metadata.degenerate_triangles},
-                         {"non_finite", metadata.non_finite_triangles}}},
-                       {"voxels", metadata.statistics.voxels},
-                       {"levels", std::move(levels)},
-                       {"cameras", std::move(cameras)},
-                       {"lights", std::move(lights)}};
+    Json json = {{"source", metadata.source},
+                 {"rule", name(metadata.rule)},
+                 {"grid",
+                  {{"origin", vector_json(metadata.grid.origin)},
+                   {"voxel_size", number_json(metadata.grid.voxel_size)},
+                   {"depth", metadata.grid.depth}}},
+                 {"triangles",
+                  {{"total", metadata.triangles},
+                   {"degenerate", metadata.degenerate_triangles},
+                   {"non_finite", metadata.non_finite_triangles}}},
+                 {"voxels", metadata.statistics.voxels},
+                 {"levels", std::move(levels)},
+                 {"cameras", std::move(cameras)},
+                 {"lights", std::move(lights)}};
+    if (metadata.attributes)
+        json["attributes"] = {{"level", metadata.attributes->level},
+                              {"cells", metadata.attributes->cells},
+                              {"tolerance", metadata.attributes->tolerance}};
     // Names come from scene files and may be any bytes; what is not UTF-8 becomes U+FFFD.
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -240,6 +288,8 @@ Metadata decode_metadata(std::string_view text) {
     metadata.degenerate_triangles = triangles["degenerate"].count(metadata.triangles);
     metadata.non_finite_triangles = triangles["non_finite"].count(metadata.triangles);
     metadata.statistics = decode_statistics(root, metadata.grid.depth);
+    if (root.has("attributes"))
+        metadata.attributes = decode_attributes(root["attributes"], metadata.grid.depth);
     for (const Field& camera : root["cameras"].items())
         metadata.cameras.push_back(decode_camera(camera));
     for (const Field& light : root["lights"].items())

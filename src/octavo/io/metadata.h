@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,13 @@
 #include "octavo/voxelize/rule.h"
 
 namespace octavo {
+
+/// Which cells the file's attributes are of.
+struct AttributeSummary {
+    int level = 0;            // of the cells
+    std::uint64_t cells = 0;  // that are occupied
+    int tolerance = 0;        // by how much a channel of a colour may differ, in 255ths
+};
 
 /// What an .octv file says about its DAG: how it was made, where it lies in the world, and what it
 /// holds. Only what follows from the input and the options: no times, thread counts or machine
@@ -26,6 +34,7 @@ struct Metadata {
     std::vector<Camera> cameras;  // from the scene; world space
     std::vector<Light> lights;
     Statistics statistics;
+    std::optional<AttributeSummary> attributes;  // none: the file has none
 };
 
 /// As JSON text without spaces. Numbers in double are written so that they read back exactly.

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "octavo/mesh/mesh_lamps.h"
+
 namespace octavo {
 namespace {
 
@@ -21,7 +23,8 @@ bool usable(const Camera& camera) {
 
 bool usable(const Light& light) {
     return finite(light.position) && finite(light.direction) && finite(light.intensity) &&
-           std::isfinite(light.inner_angle) && std::isfinite(light.outer_angle);
+           std::isfinite(light.inner_angle) && std::isfinite(light.outer_angle) &&
+           std::isfinite(light.size) && finite(light.half_u) && finite(light.half_v);
 }
 
 template <typename Item>
@@ -44,7 +47,10 @@ Model make_model(std::string source, const Scene& scene, VoxelRule rule, BuildRe
     model.metadata.non_finite_triangles = built.non_finite_triangles;
     model.metadata.cameras = usable_ones(scene.cameras);
     model.metadata.lights = usable_ones(scene.lights);
-    model.metadata.statistics = compute_statistics(built.dag);
+    std::ranges::move(mesh_lamps(scene), std::back_inserter(model.metadata.lights));
+    const bool counted = !built.statistics.levels.empty();
+    model.metadata.statistics =
+        counted ? std::move(built.statistics) : compute_statistics(built.dag);
     model.dag = std::move(built.dag);
     return model;
 }

@@ -64,20 +64,32 @@ private:
                                                                            XXH3_freeState};
 };
 
-void write_dag(SectionWriter& writer, const Dag& dag, const OctvWriteOptions& options) {
-    const std::span<const std::byte> raw = std::as_bytes(dag.words());
+/// A section of words, the DAG's or an attribute's.
+/// @param released  the DAG whose pages may go as they are written; or null
+void write_words(SectionWriter& writer, std::uint32_t id, std::uint32_t flags,
+                 std::span<const std::uint32_t> words, const Dag* released,
+                 const OctvWriteOptions& options) {
+    const auto release = [&](std::uint64_t first, std::uint64_t last) {
+        if (released != nullptr)
+            released->release(first / sizeof(std::uint32_t),
+                              (last - first) / sizeof(std::uint32_t));
+    };
+    const std::span<const std::byte> raw = std::as_bytes(words);
     const bool compress = options.compress && !raw.empty();
-    writer.begin(kDagSection, kRequired | (compress ? kZstd : 0), raw.size());
+    writer.begin(id, flags | (compress ? kZstd : 0), raw.size());
     for (std::size_t done = 0; !compress && done < raw.size();) {
         const std::size_t count = std::min(kWriteBytes, raw.size() - done);
         writer.append(raw.subspan(done, count));
+        release(done, done + count);
         done += count;
         report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
     }
     if (compress) {
         zstd_compress(
             raw, [&](std::span<const std::byte> piece) { writer.append(piece); },
-            [&](std::uint64_t done) {
+            [&, before = std::uint64_t{0}](std::uint64_t done) mutable {
+                release(before, done);
+                before = done;
                 report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
             });
     }
@@ -110,11 +122,16 @@ private:
     std::optional<FileCopy> copy_;
 };
 
-const Section& find_section(const std::vector<Section>& sections, std::uint32_t id,
-                            const std::filesystem::path& path) {
+const Section* find_optional(const std::vector<Section>& sections, std::uint32_t id) {
     const auto found = std::find_if(sections.begin(), sections.end(),
                                     [&](const Section& section) { return section.id == id; });
-    if (found == sections.end())
+    return found == sections.end() ? nullptr : &*found;
+}
+
+const Section& find_section(const std::vector<Section>& sections, std::uint32_t id,
+                            const std::filesystem::path& path) {
+    const Section* found = find_optional(sections, id);
+    if (!found)
         throw FormatError(Errc::bad_input, "section-missing", path,
                           "section " + section_name(id) + " is missing", sizeof(FileHeader));
     return *found;
@@ -235,6 +252,60 @@ std::vector<Section> read_directory(Source& source, Reading& reading) {
     return sections;
 }
 
+CellValues read_channel(Source& source, const Section& section, std::uint64_t cells, int value_bits,
+                        Reading& reading) {
+    const auto refuse = [&](Errc errc, std::string_view code, const std::string& reason) {
+        throw FormatError(errc, code, reading.path, "section " + section_name(section.id) + reason,
+                          section.offset);
+    };
+    Words words;
+    reading.check(reading.times.read, [&] {
+        if (section.raw_bytes % sizeof(std::uint32_t) != 0)
+            refuse(Errc::bad_input, "attribute-size", " is not a whole number of words");
+        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
+            refuse(Errc::limit, "limit",
+                   " takes " + std::to_string(section.raw_bytes) + " bytes, and " +
+                       std::to_string(reading.options.max_dag_bytes) + " are allowed");
+        source.fetch(section);
+    });
+    if (!reading.findings.empty()) return {};
+    const bool trusted = reading.options.trusted;
+    if (!trusted)
+        reading.check(reading.times.checksum,
+                      [&] { verify_checksum(source.bytes(), section, reading.path); });
+    if (!reading.findings.empty()) return {};
+    reading.check(reading.times.decompress,
+                  [&] { words = read_words(source, section, reading.path); });
+    if (!trusted)
+        reading.check(reading.times.validate, [&] {
+            if (const auto fault = CellValues::find_fault(words.words, cells, value_bits))
+                refuse(Errc::bad_input, "attribute-values",
+                       ": " + fault->reason + " (word " + std::to_string(fault->word) + ")");
+        });
+    if (!reading.findings.empty()) return {};
+    return {words.words, cells, words.owner};
+}
+
+Attributes read_attributes(Source& source, const std::vector<Section>& sections, const Dag& dag,
+                           const AttributeSummary& summary, Reading& reading) {
+    CellIndex cells(dag, summary.level);
+    reading.check(reading.times.validate, [&] {
+        if (cells.count() != summary.cells)
+            throw FormatError(Errc::bad_input, "attribute-cells", reading.path,
+                              "the attributes are of " + std::to_string(summary.cells) +
+                                  " cells, and the DAG has " + std::to_string(cells.count()),
+                              find_section(sections, kMetadataSection, reading.path).offset);
+    });
+    if (!reading.findings.empty()) return {};
+    std::array<CellValues, Attributes::kChannels> channels;
+    for (std::size_t c = 0; c < channels.size(); ++c)
+        if (const Section* section = find_optional(sections, kAttributeSections[c]))
+            channels[c] =
+                read_channel(source, *section, summary.cells, Attributes::kValueBits[c], reading);
+    if (!reading.findings.empty()) return {};
+    return {std::move(cells), std::move(channels), summary.tolerance};
+}
+
 }  // namespace
 
 void write_octv(const std::filesystem::path& path, const Model& model,
@@ -242,16 +313,31 @@ void write_octv(const std::filesystem::path& path, const Model& model,
     if (model.dag.depth() != model.metadata.grid.depth ||
         !std::ranges::equal(model.dag.level_begins(), level_begins(model.metadata.statistics)))
         throw Error(Errc::bad_argument, "the metadata does not describe this DAG");
-    const std::string json = encode_metadata(model.metadata);
+    Metadata metadata = model.metadata;
+    metadata.attributes.reset();
+    const Attributes& attributes = model.attributes;
+    if (!attributes.empty()) {
+        if (attributes.cells().dag().words().data() != model.dag.words().data())
+            throw Error(Errc::bad_argument, "the attributes are not of this DAG's cells");
+        metadata.attributes = {attributes.level(), attributes.cells().count(),
+                               attributes.tolerance()};
+    }
+    const std::string json = encode_metadata(metadata);
     if (json.size() > kMaxMetadataBytes)
         throw Error(Errc::limit, path, "the scene's cameras and lights take more than 16 MiB");
 
     AtomicFile file(path);
+    if (!options.compress)
+        file.reserve(kPageBytes + round_up_to_page(json.size()) + model.dag.size_bytes());
     SectionWriter writer(file);
     writer.begin(kMetadataSection, kRequired, json.size());
     writer.append(std::as_bytes(std::span(json)));
     writer.end();
-    write_dag(writer, model.dag, options);
+    write_words(writer, kDagSection, kRequired, model.dag.words(), &model.dag, options);
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
+        if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, nullptr, options);
+    }
     writer.write_directory();
     file.commit();
 }
@@ -292,6 +378,9 @@ Model read_model(Reading& reading) {
                       [&] { check_nodes(section, begins, words.words, statistics, reading); });
     if (!reading.findings.empty()) return model;
     model.dag = Dag(model.metadata.grid.depth, begins, words.words, words.owner);
+    if (reading.options.attributes && model.metadata.attributes)
+        model.attributes =
+            read_attributes(source, sections, model.dag, *model.metadata.attributes, reading);
     return model;
 }
 
@@ -311,6 +400,9 @@ OctvSummary read_octv_summary(const std::filesystem::path& path) {
         *read_metadata(source, find_section(sections, kMetadataSection, path), reading);
     summary.file_bytes = source.bytes().size();
     summary.compressed = find_section(sections, kDagSection, path).flags & kZstd;
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c)
+        if (const Section* section = find_optional(sections, kAttributeSections[c]))
+            summary.attribute_bytes[c] = section->raw_bytes;
     return summary;
 }
 

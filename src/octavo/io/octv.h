@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 
@@ -10,7 +11,7 @@
 namespace octavo {
 
 struct OctvWriteOptions {
-    bool compress = false;           // the DAG as zstd: a smaller file, which cannot be mapped
+    bool compress = false;  // DAG and attributes as zstd: a smaller file, which cannot be mapped
     ProgressFunction progress = {};  // phase "write", in bytes of the DAG
 };
 
@@ -43,8 +44,11 @@ struct OctvReadOptions {
     /// processes read it. Only where nobody changes it while it is in use, as above.
     bool map = false;
 
-    /// A compressed DAG that claims more than this is refused before any memory is taken.
+    /// A compressed DAG or attribute that claims more than this is refused before any memory is
+    /// taken.
     std::uint64_t max_dag_bytes = std::uint64_t{16} << 30;
+
+    bool attributes = true;  // read them, where the file has any
 
     OctvReadTimes* times = nullptr;  // filled in where given
 };
@@ -64,6 +68,8 @@ struct OctvSummary {
     Metadata metadata;
     std::uint64_t file_bytes = 0;
     bool compressed = false;
+    /// Bytes that each channel of the attributes takes, unpacked; 0 where it is not there.
+    std::array<std::uint64_t, Attributes::kChannels> attribute_bytes{};
 };
 
 /// Reads and checks header and metadata only: takes no time, whatever the size of the DAG.

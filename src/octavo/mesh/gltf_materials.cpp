@@ -12,6 +12,13 @@ namespace {
 
 constexpr float kDefaultCutoff = 0.5f;
 
+/// The wrap modes of OpenGL; others count as the usual one.
+Texture::Wrap wrap_of(std::size_t code) {
+    constexpr std::size_t kClampToEdge = 33071, kMirroredRepeat = 33648;
+    if (code == kClampToEdge) return Texture::Wrap::clamp;
+    return code == kMirroredRepeat ? Texture::Wrap::mirror : Texture::Wrap::repeat;
+}
+
 class MaterialReader {
 public:
     MaterialReader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
@@ -34,8 +41,13 @@ public:
             material.emission *= value_or(*strength, "emissiveStrength", 1.0f);
         // A vertex has one texture coordinate here, and the base colour's comes first.
         const bool has_base = material.base_color_texture != Material::kNoTexture;
+        TexturePlacement emission_placement;
         material.emission_texture =
-            texture(child(source, "emissiveTexture"), has_base ? nullptr : &placement);
+            texture(child(source, "emissiveTexture"), has_base ? &emission_placement : &placement);
+        if (has_base && material.emission_texture != Material::kNoTexture &&
+            !(emission_placement == placement))
+            scene_.warnings.push_back("material '" + material.name +
+                                      "': its emission picture is placed as its base colour's is");
 
         const auto mode = value_or<std::string>(source, "alphaMode", "OPAQUE");
         if (mode == "MASK") material.alpha_cutoff = value_or(source, "alphaCutoff", kDefaultCutoff);
@@ -61,19 +73,35 @@ private:
         }
         const auto index = whole(*info, "index");
         if (!index) return Material::kNoTexture;
-        const auto source = whole(document_.object("textures", *index), "source");
+        const json& texture = document_.object("textures", *index);
+        const auto source = whole(texture, "source");
         if (!source) {
             scene_.warnings.push_back("texture " + std::to_string(*index) +
                                       " has no picture in a known format: left out");
             return Material::kNoTexture;
         }
-        const auto known = images_.find(*source);
+        Placed placed{*source, Texture::Wrap::repeat, Texture::Wrap::repeat};
+        if (const auto sampler = whole(texture, "sampler")) {
+            const json& modes = document_.object("samplers", *sampler);
+            placed.wrap_u = wrap_of(whole(modes, "wrapS").value_or(0));
+            placed.wrap_v = wrap_of(whole(modes, "wrapT").value_or(0));
+        }
+        const auto known = images_.find(placed);
         if (known != images_.end()) return known->second;
-        return images_[*source] = image(document_.object("images", *source));
+        return images_[placed] = image(document_.object("images", *source), placed);
     }
 
-    int image(const json& source) {
+    /// A picture, and how it goes on beyond its edges.
+    struct Placed {
+        std::size_t image;
+        Texture::Wrap wrap_u, wrap_v;
+        friend auto operator<=>(const Placed&, const Placed&) = default;
+    };
+
+    int image(const json& source, const Placed& placed) {
         Texture texture;
+        texture.wrap_u = placed.wrap_u;
+        texture.wrap_v = placed.wrap_v;
         texture.name = value_or<std::string>(source, "name", "");
         if (const auto view = whole(source, "bufferView")) {
             const auto bytes = document_.buffer_view(*view);
@@ -83,7 +111,7 @@ private:
             auto data = data_uri(uri);
             if (!data)
                 return add_texture_file(scene_, folder_of(document_.file().file()),
-                                        percent_decoded(uri));
+                                        percent_decoded(uri), placed.wrap_u, placed.wrap_v);
             texture.encoded = std::move(*data);
         }
         scene_.textures.push_back(std::move(texture));
@@ -92,7 +120,7 @@ private:
 
     Document& document_;
     Scene& scene_;
-    std::map<std::size_t, int> images_;
+    std::map<Placed, int> images_;
 };
 
 }  // namespace

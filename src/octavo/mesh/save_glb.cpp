@@ -4,6 +4,7 @@
 // sizes follow from counts, so the data is streamed once.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -41,6 +42,13 @@ dvec3 some_up(const dvec3& forward) {
 
 std::string_view picture_type(std::string_view bytes) {
     return bytes.starts_with("\x89PNG") ? "image/png" : "image/jpeg";
+}
+
+int wrap_code(Texture::Wrap wrap) {
+    constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
+    return wrap == Texture::Wrap::clamp    ? kClampToEdge
+           : wrap == Texture::Wrap::mirror ? kMirroredRepeat
+                                           : kRepeat;
 }
 
 class GlbWriter {
@@ -213,7 +221,14 @@ private:
                 bytes = pictures_.back().view();
             }
             picture_bytes_.push_back(bytes);
-            root_["textures"].push_back({{"source", i}});
+            json target{{"source", i}};
+            if (texture.wrap_u != Texture::Wrap::repeat ||
+                texture.wrap_v != Texture::Wrap::repeat) {
+                target["sampler"] = root_["samplers"].size();
+                root_["samplers"].push_back(
+                    {{"wrapS", wrap_code(texture.wrap_u)}, {"wrapT", wrap_code(texture.wrap_v)}});
+            }
+            root_["textures"].push_back(std::move(target));
             root_["images"].push_back({{"name", texture.name},
                                        {"mimeType", picture_type(bytes)},
                                        {"bufferView", add_view(bytes.size())}});
@@ -230,10 +245,14 @@ private:
                       {"camera", root_["cameras"].size() - 1},
                       {"matrix", looking(camera.eye, camera.forward, camera.up)}});
         }
-        if (scene_.lights.empty()) return;
+        // glTF has no lamps with an area but emissive triangles, which are there already.
+        std::vector<Light> punctual;
+        std::ranges::copy_if(scene_.lights, std::back_inserter(punctual),
+                             [](const Light& light) { return light.kind <= Light::Kind::spot; });
+        if (punctual.empty()) return;
         use_extension("KHR_lights_punctual");
         json& lights = root_["extensions"]["KHR_lights_punctual"]["lights"];
-        for (const Light& light : scene_.lights) {
+        for (const Light& light : punctual) {
             const vec3& i = light.intensity;
             const float strength = std::max({i.r, i.g, i.b});
             json target{{"name", light.name},
@@ -251,6 +270,10 @@ private:
                     target["spot"] = {{"innerConeAngle", light.inner_angle},
                                       {"outerConeAngle", light.outer_angle}};
                     break;
+                case Light::Kind::disc:
+                case Light::Kind::rectangle:
+                case Light::Kind::mesh:
+                    break;  // not among the punctual ones
             }
             lights.push_back(std::move(target));
             const json reference{{"light", lights.size() - 1}};

@@ -5,21 +5,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "octavo/core/box.h"
 #include "octavo/core/vec.h"
+#include "octavo/mesh/bitmap.h"
 
 namespace octavo {
 
 /// A picture that a material refers to: a file, or the encoded bytes that came inside the scene
 /// file.
 struct Texture {
+    /// What is beyond the edges of the picture.
+    enum class Wrap : std::uint8_t { repeat, clamp, mirror };
+
     std::string name;
     std::filesystem::path file;      // absolute, inside the scene file's folder; or empty
     std::vector<std::byte> encoded;  // PNG, JPEG, ... as stored in the scene file; or empty
+    Wrap wrap_u = Wrap::repeat;
+    Wrap wrap_v = Wrap::repeat;
+    std::shared_ptr<const Bitmap> picture = {};  // once decoded, see decode_textures(); or none
 };
 
 /// What a surface looks like. Factors are linear; textures multiply them.
@@ -43,17 +51,23 @@ struct Camera {
     double vertical_fov = 0.8;      // radians
 };
 
-/// A lamp; world space. Lamps with an area are triangles with an emissive material.
+/// A lamp; world space. A disc and a rectangle shine to one side, by the cosine; the triangles of a
+/// mesh to both.
 struct Light {
-    enum class Kind { sun, point, spot };
+    enum class Kind { sun, point, spot, disc, rectangle, mesh };
 
     std::string name;
     Kind kind = Kind::sun;
-    dvec3 position{0.0};                      // point, spot
-    dvec3 direction{0.0, -1.0, 0.0};          // sun, spot: the way the light travels; unit length
-    vec3 intensity{1.0f};                     // sun: irradiance; point, spot: radiant intensity
-    double inner_angle = 0.0;                 // spot: half angle of the full-bright cone, radians
+    dvec3 position{0.0};              // point, spot; disc, rectangle: the middle
+    dvec3 direction{0.0, -1.0, 0.0};  // all but point and mesh: the way the light travels; unit
+    vec3 intensity{1.0f};      // sun: irradiance; point, spot: radiant intensity; others: radiance
+    double inner_angle = 0.0;  // spot: half angle of the full-bright cone, radians
     double outer_angle = 0.7853981633974483;  // spot: half angle where the light ends
+
+    double size = 0.0;  // sun: angular radius, radians; point, spot, disc: radius; 0: hard shadows
+    dvec3 half_u{0.0};  // rectangle: from the middle to the middles of two sides, at right angles
+    dvec3 half_v{0.0};  //   to each other and to the direction
+    std::vector<std::array<dvec3, 3>> triangles;  // mesh
 };
 
 /// Triangles with materials, cameras and lights, whatever file they came from. Node transforms and

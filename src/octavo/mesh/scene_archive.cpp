@@ -88,11 +88,21 @@ void each(Archive& archive, std::vector<T>& values) {
     archive.bytes(values.data(), values.size() * sizeof(T));
 }
 
+template <class Archive, class Enum>
+void each_enum(Archive& archive, Enum& value, Enum last) {
+    auto number = static_cast<std::uint8_t>(value);
+    each(archive, number);
+    if (number > static_cast<std::uint8_t>(last)) Reader::refuse();
+    value = static_cast<Enum>(number);
+}
+
 template <class Archive>
 void each(Archive& archive, Texture& texture) {
     each(archive, texture.name);
     each(archive, texture.file);
     each(archive, texture.encoded);
+    each_enum(archive, texture.wrap_u, Texture::Wrap::mirror);
+    each_enum(archive, texture.wrap_v, Texture::Wrap::mirror);
 }
 
 template <class Archive>
@@ -119,15 +129,16 @@ void each(Archive& archive, Camera& camera) {
 template <class Archive>
 void each(Archive& archive, Light& light) {
     each(archive, light.name);
-    auto kind = static_cast<std::uint8_t>(light.kind);
-    each(archive, kind);
-    if (kind > static_cast<std::uint8_t>(Light::Kind::spot)) Reader::refuse();
-    light.kind = static_cast<Light::Kind>(kind);
+    each_enum(archive, light.kind, Light::Kind::mesh);
     each(archive, light.position);
     each(archive, light.direction);
     each(archive, light.intensity);
     each(archive, light.inner_angle);
     each(archive, light.outer_angle);
+    each(archive, light.size);
+    each(archive, light.half_u);
+    each(archive, light.half_v);
+    each(archive, light.triangles);
 }
 
 template <class Archive, class T>

@@ -8,8 +8,8 @@
 
 namespace octavo {
 
-int add_texture_file(Scene& scene, const std::filesystem::path& folder,
-                     std::string_view reference) {
+int add_texture_file(Scene& scene, const std::filesystem::path& folder, std::string_view reference,
+                     Texture::Wrap wrap_u, Texture::Wrap wrap_v) {
     const auto leave_out = [&](const std::string& why) {
         std::string warning = "texture '" + std::string(reference) + "' " + why + ": left out";
         if (std::find(scene.warnings.begin(), scene.warnings.end(), warning) ==
@@ -22,10 +22,12 @@ int add_texture_file(Scene& scene, const std::filesystem::path& folder,
     std::error_code error;
     if (!std::filesystem::is_regular_file(*file, error)) return leave_out("is missing");
 
-    const auto known = std::find_if(scene.textures.begin(), scene.textures.end(),
-                                    [&](const Texture& texture) { return texture.file == *file; });
+    const auto known =
+        std::find_if(scene.textures.begin(), scene.textures.end(), [&](const Texture& texture) {
+            return texture.file == *file && texture.wrap_u == wrap_u && texture.wrap_v == wrap_v;
+        });
     if (known != scene.textures.end()) return static_cast<int>(known - scene.textures.begin());
-    scene.textures.push_back({file->filename().string(), *file, {}});
+    scene.textures.push_back({file->filename().string(), *file, {}, wrap_u, wrap_v});
     return static_cast<int>(scene.textures.size()) - 1;
 }
 

@@ -17,6 +17,9 @@ constexpr double kFarthest = 1 << 29;
 
 constexpr double kTenDegrees = 0.17453292519943295;
 
+/// Four times that of the real sun: its penumbra shows from some metres on, as on a hazy day.
+constexpr double kSunRadius = 0.02;
+
 bool finite(const dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -112,6 +115,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
     sun.direction = -(std::cos(elevation) * (std::sin(azimuth) * x + std::cos(azimuth) * z) +
                       std::sin(elevation) * y);
     sun.intensity = vec3(1.0f, 0.88f, 0.72f) * 2.2f;
+    sun.size = kSunRadius;
     return sun;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// One pixel: primary rays, a lamp with shadow, and the sky with ambient occlusion, as in [K13]
+// One pixel: primary rays, lamps with shadow, and the sky with ambient occlusion, as in [K13]
 // section 4, on neutral clay.
 #include "octavo/render/render.h"
 
@@ -19,38 +19,14 @@
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/lamp.h"
-#include "octavo/render/normal.h"
+#include "octavo/render/normal_cache.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/visibility.h"
 
 namespace octavo {
 namespace {
 
 constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
-
-/// The smoothed normals of the cells that a thread has met: close to a surface many pixels share
-/// one. A slot holds the last normal that fell on it, which depends on the cell and face alone, so
-/// the picture does not depend on what is found here.
-class NormalCache {
-public:
-    vec3 get(const shared::DagView& dag, const shared::GridRay& ray, const shared::GridHit& hit) {
-        const std::uint32_t key = shared::mix_bits(
-            hit.path.x + shared::mix_bits(hit.path.y + shared::mix_bits(hit.path.z)));
-        Entry& entry = entries_[key % entries_.size()];
-        if (entry.face != hit.face || entry.height != hit.height || entry.path != hit.path ||
-            hit.face == shared::kFaceInside)
-            entry = {hit.path, hit.height, hit.face, smooth_normal(dag, ray, hit)};
-        return entry.normal;
-    }
-
-private:
-    struct Entry {
-        uvec3 path{0};
-        int height = 0;
-        int face = shared::kFaceNone;
-        vec3 normal{0.0f};
-    };
-    std::vector<Entry> entries_ = std::vector<Entry>(4096);
-};
 
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
@@ -63,8 +39,10 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
-    if (!(o.light_size >= 0.0) || !std::isfinite(o.light_size))
-        refuse("the light's size is negative or not finite");
+    if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
+    for (const Light& light : o.lights.value_or(std::vector<Light>{}))
+        if (!(light.size >= 0.0) || !std::isfinite(light.size))
+            refuse("a light's size is negative or not finite");
 }
 
 /// All that the pixels of one picture have in common.
@@ -76,15 +54,21 @@ public:
           grid_(grid),
           options_(options),
           up_(glm::normalize(options.up)),
-          rays_(checked_camera(dag, grid, options), grid, options.width, options.height),
-          light_(options.light ? *options.light
-                               : default_sun(checked_camera(dag, grid, options), options.up)) {
+          rays_(checked_camera(dag, grid, options), grid, options.width, options.height) {
+        if (options.lights)
+            for (const Light& light : *options.lights) lamps_.emplace_back(light, grid);
+        else
+            lamps_.emplace_back(default_sun(checked_camera(dag, grid, options), options.up), grid);
         const Box bounds = content_bounds(dag, grid);
         const double diagonal = bounds.empty() ? 1.0 : glm::length(bounds.size());
         const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
         ao_radius_ = static_cast<float>(radius / grid.voxel_size);
         ao_stop_.cone = static_cast<float>(options.ao_cone);
-        primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
+        // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
+        primary_stop_.cone =
+            options.level_of_detail
+                ? rays_.pixel_pitch() / std::sqrt(static_cast<float>(options.samples))
+                : 0.0f;
         primary_stop_.time_before = rays_.t_before();
     }
 
@@ -92,12 +76,13 @@ public:
         const int x1 = std::min(x0 + kTile, options_.width);
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
-        if (options_.beam)
+        if (options_.beam && !options_.primary)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
+            if (options_.primary) ask_for_surface(tile);
             if (i == 0) write_depths(tile, image);
             add_samples(tile, i);
         }
@@ -121,9 +106,10 @@ private:
     struct Waiting {
         std::size_t pixel;
         vec3 normal;
-        vec3 lamp;  // its light, where nothing is in the way
+        vec3 albedo;
+        vec3 emission;
         std::size_t sky_group;
-        std::size_t lamp_group;
+        std::size_t lamp_group;  // of the first lamp; the others follow
         int sky_rays = 0;
         int lamp_rays = 0;
     };
@@ -152,6 +138,7 @@ private:
         std::vector<vec3> sums;
         std::vector<shared::GridRay> rays;
         std::vector<shared::GridHit> hits;
+        std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
         RayQueue sky_queue;
         RayQueue lamp_queue;
@@ -166,8 +153,24 @@ private:
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
+        if (!options_.primary && !rays_.sees_nothing() && start < tile.rays[0].t_max)
             trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+    }
+
+    /// Has the rays traced by the caller. A hit then says when, and that there is no face.
+    void ask_for_surface(Tile& tile) const {
+        std::vector<Ray> rays;
+        for (const shared::GridRay& ray : tile.rays)
+            rays.push_back({grid_.to_world(dvec3(ray.cell) + dvec3(ray.frac)),
+                            dvec3(ray.dir) * grid_.voxel_size});
+        tile.surface.assign(rays.size(), {});
+        options_.primary(rays, tile.surface);
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            const SurfaceHit& found = tile.surface[k];
+            if (!std::isfinite(found.t) || !(glm::length(found.normal) > 0.0f)) continue;
+            tile.hits[k].t = static_cast<float>(found.t);
+            tile.hits[k].face = shared::kFaceInside;
+        }
     }
 
     void write_depths(const Tile& tile, Image& image) const {
@@ -201,54 +204,98 @@ private:
         return {i * each, (i + 1) * each};
     }
 
+    /// Where the secondary rays of pixel k start.
+    [[nodiscard]] shared::SurfacePoint surface_point(Tile& tile, std::size_t k) const {
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) return lifted_point(ray, tile.surface[k], tile.seeds[k]);
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        return options_.smooth_normals
+                   ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), tile.seeds[k])
+                   : flat_point(ray, hit, tile.seeds[k]);
+    }
+
+    [[nodiscard]] shared::SurfacePoint lifted_point(const shared::GridRay& ray,
+                                                    const SurfaceHit& found,
+                                                    std::uint32_t seed) const {
+        const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) + found.t * dvec3(ray.dir);
+        vec3 normal = glm::normalize(found.normal);
+        if (glm::dot(normal, ray.dir) > 0.0f) normal = -normal;
+        const auto start = lifted_start(grid_, grid_.to_world(at), normal, options_.bias);
+        if (!start) return {ray.cell, ray.frac, normal, shared::kFaceNone, seed, 1};
+        return {start->cell, start->frac, normal, shared::kFaceNone, seed, 1};
+    }
+
     /// Queues the rays that say how much light sample i of pixel k gets.
     void send_rays(Tile& tile, std::size_t k, int i) const {
-        const shared::GridRay& ray = tile.rays[k];
-        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const std::uint32_t seed = tile.seeds[k];
-        const shared::SurfacePoint point =
-            options_.smooth_normals
-                ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), seed)
-                : flat_point(ray, hit, seed);
+        const shared::SurfacePoint point = surface_point(tile, k);
         const vec3 normal = point.normal;
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
-        Waiting w{k, normal, vec3(0.0f), tile.sky_queue.begin_group(),
-                  tile.lamp_queue.begin_group()};
+        Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
+        if (options_.attributes) look_at_voxel(tile, k, w);
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
                 tile.sky_queue.add(sky_ray(start, face, normal, ao_radius_, n, seed ^ 0x68bc21ebu));
         }
-        SeenLamp lamp =
-            see_lamp(light_, options_.light_size, grid_, dvec3(start.cell) + dvec3(start.frac));
-        const float cosine = glm::dot(normal, glm::normalize(lamp.disc.to_centre));
-        if (cosine > 0.0f && lamp.strength > 0.0f) {
-            w.lamp = light_.intensity * (cosine * lamp.strength * 0.31830989f);
-            if (options_.shadows != Shadows::none) {
-                ivec2 some = share(options_.shadow_samples, i);
-                if (options_.shadows == Shadows::hard) {
-                    lamp.disc.radius = 0.0f;
-                    some = {i, i + 1};
-                }
-                w.lamp_rays = some.y - some.x;
-                queue_lamp_rays(dag_, start, face, lamp.disc, some.x, some.y, seed ^ 0x02e5be93u,
-                                options_.beam, tile.lamp_queue);
-            }
+        const bool soft = options_.shadows == Shadows::soft;
+        const ivec2 some = soft ? share(options_.shadow_samples, i) : ivec2(i, i + 1);
+        w.lamp_rays = some.y - some.x;
+        for (std::size_t n = 0; n < lamps_.size(); ++n) {
+            const std::size_t group = tile.lamp_queue.begin_group();
+            if (n == 0) w.lamp_group = group;
+            const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
+            const std::uint32_t lamp_seed =
+                seed ^ (0x02e5be93u + 0x9e3779b9u * static_cast<std::uint32_t>(n));
+            if (options_.shadows == Shadows::none)
+                add_unshadowed(lamp, some, lamp_seed, tile.lamp_queue);
+            else
+                queue_lamp_rays(dag_, lamp, some.x, some.y, lamp_seed, options_.beam,
+                                tile.lamp_queue);
         }
         tile.waiting.push_back(w);
     }
 
+    /// The colour and the emission of what pixel k sees.
+    void look_at_voxel(const Tile& tile, std::size_t k, Waiting& w) const {
+        const Attributes& looks = *options_.attributes;
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) {
+            const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
+                             static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
+            if (const auto cell = looks.cell_at(at)) {
+                w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
+                w.emission = looks.emission(*cell, -ray.dir);
+            }
+            return;
+        }
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        const int level = whole_dag_.depth() - hit.height;
+        if (const auto color = looks.color(hit.path, level, -ray.dir))
+            w.albedo = linear_from_srgb8(*color);
+        w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
+    }
+
+    static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,
+                               RayQueue& queue) {
+        for (int i = some.x; i < some.y && !lamp.dark(); ++i)
+            queue.add_seen(lamp.ray(i, seed).light);
+    }
+
     [[nodiscard]] vec3 shade(const Waiting& w, const Tile& tile) const {
-        const auto part = [](int seen, int rays) {
-            return rays == 0 ? 1.0f : static_cast<float>(seen) / static_cast<float>(rays);
-        };
-        const vec3 ambient = part(tile.sky_queue.seen(w.sky_group), w.sky_rays) *
-                             shared::sky_light(w.normal, vec3(up_));
-        const vec3 direct = part(tile.lamp_queue.seen(w.lamp_group), w.lamp_rays) * w.lamp;
-        return shared::clay() * (ambient + direct);
+        constexpr float kPerPi = 0.31830989f;
+        const float sky = w.sky_rays == 0
+                              ? 1.0f
+                              : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
+        vec3 light = sky * shared::sky_light(w.normal, vec3(up_));
+        for (std::size_t n = 0; n < lamps_.size(); ++n)
+            light +=
+                lamps_[n].light().intensity *
+                (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
+        return w.albedo * light + w.emission;
     }
 
     const Dag& whole_dag_;
@@ -257,7 +304,7 @@ private:
     const RenderOptions& options_;
     dvec3 up_;
     PixelRays rays_;
-    Light light_;
+    std::vector<Lamp> lamps_;
     float ao_radius_ = 0.0f;
     shared::Stop ao_stop_{0, 0.0f, 0.0f};
     shared::Stop primary_stop_{0, 0.0f, 0.0f};

@@ -2,17 +2,33 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "octavo/attributes/attributes.h"
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/render/image.h"
+#include "octavo/trace/trace.h"
 
 namespace octavo {
 
 enum class Shadows { none, hard, soft };
+
+/// Where a primary ray meets a surface; t is infinite where it meets none.
+struct SurfaceHit {
+    double t = std::numeric_limits<double>::infinity();  // in multiples of the ray's direction
+    vec3 normal{0.0f};                                   // any length and side
+};
+
+/// Finds the first surface along some rays that are close together; world space. Called by many
+/// threads at a time.
+using PrimaryFunction = std::function<void(std::span<const Ray> rays, std::span<SurfaceHit> hits)>;
 
 /// What a picture is made of. Counts of rays are per pixel, shared out evenly among its `samples`
 /// and rounded up to a multiple of them; hard shadows take one for each sample.
@@ -22,11 +38,9 @@ struct RenderOptions {
     std::optional<Camera> camera;  // none: frames the voxels, see default_camera()
     dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
 
-    std::optional<Light> light;  // none: a sun from default_sun(); its intensity is its colour
-    double light_size =
-        0.02;  // soft shadows; sun: angular radius, radians; lamp: radius, world units
-    Shadows shadows = Shadows::soft;
-    int shadow_samples = 16;
+    std::optional<std::vector<Light>> lights;  // none: default_sun(); empty: the sky alone
+    Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
+    int shadow_samples = 16;                   // towards each light
 
     int ao_samples = 64;     // 0: no ambient occlusion
     double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
@@ -34,9 +48,17 @@ struct RenderOptions {
 
     int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre
     bool smooth_normals = true;   // from the occupancy around the voxel; else the face that was hit
-    bool level_of_detail = true;  // a primary ray stops at cells that look smaller than a pixel
+    bool level_of_detail = true;  // a primary ray stops at cells that look smaller than its
+                                  // share of a pixel
     bool beam = true;             // 8x8-pixel beams; the picture is the same without
-    std::uint32_t frame = 0;      // another number gives other noise
+
+    PrimaryFunction primary = {};  // none: the voxels. Else what is seen comes from here, from
+                                   // the triangles say, and the voxels give shadow and ambient
+                                   // occlusion alone ([K13] section 4)
+    double bias = 1.0;             // with `primary`: see VisibilityOptions
+    std::uint32_t frame = 0;       // another number gives other noise
+
+    const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 
     int threads = 0;            // 0: all; the picture does not depend on it
     ProgressFunction progress;  // phase "render", in pixels
@@ -46,7 +68,7 @@ struct RenderOptions {
 ///
 /// @return        width * height pixels, see Image; an empty DAG gives the sky
 /// @throws Error  bad_argument where an option is out of range or not finite; cancelled
-/// Cost           (samples + shadow_samples + ao_samples) rays for each pixel that hits something
+/// Cost           (samples + lights * shadow_samples + ao_samples) rays for each pixel that hits
 [[nodiscard]] Image render(const Dag& dag, const Grid& grid, const RenderOptions& options);
 
 /// The smallest box, to a 256th of the grid, that holds all voxels; world space, empty for an empty
@@ -66,7 +88,7 @@ struct RenderOptions {
                              double vertical_fov);
 
 /// A sun that stands at this azimuth (from the +z axis, or the nearest thing at right angles to
-/// `up`, towards +x) and elevation above the horizon; radians.
+/// `up`, towards +x) and elevation above the horizon; radians. Its angular radius is 0.02.
 [[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
 
 /// The warm sun of the default picture: 55 degrees to the camera's left, 42 degrees high.

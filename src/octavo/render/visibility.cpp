@@ -33,7 +33,7 @@ void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, 
     if (o.shadow_samples < 1 || o.shadow_samples > 65536 || o.ao_samples < 0 ||
         o.ao_samples > 65536)
         refuse("visibility: samples are 1 to 65536");
-    if (!(o.light_size >= 0.0) || !std::isfinite(o.light_size))
+    if (o.light && !(o.light->size >= 0.0 && std::isfinite(o.light->size)))
         refuse("visibility: the light's size is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("visibility: the ambient cone is negative or not finite");
@@ -43,9 +43,14 @@ void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, 
         refuse("visibility: the ambient radius is not a number above 0");
 }
 
-/// The lifted point as the start of rays, grid space; none where it cannot be one.
-std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position,
-                                         const vec3& normal, double bias) {
+}  // namespace
+
+double visibility_bias(const dvec3& normal) {
+    return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+}
+
+std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& position,
+                                            const vec3& normal, double bias) {
     const double length = glm::length(dvec3(normal));
     if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
     const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
@@ -56,12 +61,6 @@ std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position
     return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
 }
 
-}  // namespace
-
-double visibility_bias(const dvec3& normal) {
-    return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
-}
-
 void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positions,
                 std::span<const vec3> normals, const VisibilityOptions& options,
                 std::span<float> shadow, std::span<float> ambient) {
@@ -70,17 +69,19 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
     const bool sky = options.ao_samples > 0 && !ambient.empty();
     const shared::DagView view = shared::view(dag);
     const float radius = static_cast<float>(options.ao_radius / grid.voxel_size);
+    const Lamp light(options.light.value_or(Light{}), grid);
 
     const auto trace_some = [&](std::size_t first, std::size_t end) {
         RayQueue sky_queue(dag, {0, static_cast<float>(options.ao_cone), 0.0f});
         RayQueue lamp_queue(dag, {0, 0.0f, 0.0f});
+        std::vector<float> all_light(end - first, 0.0f);  // that comes where nothing is in the way
         for (std::size_t i = first; i < end; ++i) {
             sky_queue.begin_group();
             lamp_queue.begin_group();
-            const auto start = ray_start(grid, positions[i], normals[i], options.bias);
+            const auto start = lifted_start(grid, positions[i], normals[i], options.bias);
             if (!start) {
-                sky_queue.add_seen(options.ao_samples);
-                lamp_queue.add_seen(options.shadow_samples);
+                sky_queue.add_seen(static_cast<float>(options.ao_samples));
+                lamp_queue.add_seen(all_light[i - first] = 1.0f);
                 continue;
             }
             const vec3 normal = glm::normalize(normals[i]);
@@ -91,22 +92,18 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
                 for (int n = 0; n < options.ao_samples; ++n)
                     sky_queue.add(
                         sky_ray(*start, shared::kFaceNone, normal, radius, n, seed ^ 0x68bc21ebu));
-            if (!shadows) continue;
-            const SeenLamp lamp = see_lamp(*options.light, options.light_size, grid,
-                                           dvec3(start->cell) + dvec3(start->frac));
-            if (glm::dot(normal, lamp.disc.to_centre) > 0.0f)
-                queue_lamp_rays(view, *start, shared::kFaceNone, lamp.disc, 0,
-                                options.shadow_samples, seed ^ 0x02e5be93u, true, lamp_queue);
+            if (shadows)
+                all_light[i - first] =
+                    queue_lamp_rays(view, {light, *start, shared::kFaceNone, normal, false}, 0,
+                                    options.shadow_samples, seed ^ 0x02e5be93u, true, lamp_queue);
         }
         sky_queue.trace();
         lamp_queue.trace();
         for (std::size_t i = first; i < end; ++i) {
             if (sky)
-                ambient[i] = static_cast<float>(sky_queue.seen(i - first)) /
-                             static_cast<float>(options.ao_samples);
-            if (shadows)
-                shadow[i] = static_cast<float>(lamp_queue.seen(i - first)) /
-                            static_cast<float>(options.shadow_samples);
+                ambient[i] = sky_queue.seen(i - first) / static_cast<float>(options.ao_samples);
+            const float all = all_light[i - first];
+            if (shadows) shadow[i] = all > 0.0f ? lamp_queue.seen(i - first) / all : 0.0f;
         }
     };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(

@@ -9,13 +9,13 @@
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
 #include "octavo/mesh/scene.h"
+#include "octavo/trace/dag_view.h"
 
 namespace octavo {
 
 /// What visibility() asks for.
 struct VisibilityOptions {
     std::optional<Light> light = {};  // none: the shadow array is not written
-    double light_size = 0.0;          // sun: angular radius, radians; lamp: radius, world units
     int shadow_samples = 1;  // rays for each point; 1 is enough where the light has no size
 
     int ao_samples = 64;     // 0: the ambient array is not written
@@ -32,6 +32,12 @@ struct VisibilityOptions {
 /// plane, nor gaps wider than 1.74 voxels where things touch.
 [[nodiscard]] double visibility_bias(const dvec3& normal);
 
+/// A point of a triangle as the start of rays, `bias` times visibility_bias(normal) above it: in
+/// grid space, of direction `normal`, without an end; none where a number is not finite, the normal
+/// is zero or the grid is too far away.
+[[nodiscard]] std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& position,
+                                                          const vec3& normal, double bias);
+
 /// Shadow and ambient occlusion for points of surfaces that somebody else found: the pixels of a
 /// rasterised picture, the texels of a light map ([K13] section 4: secondary rays for triangles).
 ///
@@ -42,8 +48,9 @@ struct VisibilityOptions {
 ///
 /// @param normals  as long as positions; unit length. A zero or not finite one, or such a position,
 ///                 gives 1, nothing in the way
-/// @param shadow   empty, or as long as positions: the part of the light that is seen, 0 to 1; 0
-///                 where the surface is turned away from it
+/// @param shadow   empty, or as long as positions: the part of the light that is seen, 0 to 1, of a
+///                 lamp with an area by what comes from each part of it; 0 where the surface is
+///                 turned away from it
 /// @param ambient  empty, or as long as positions: the part of the sky that is seen, by the cosine,
 ///                 an occluder at distance d counting 1 - d / ao_radius
 /// @throws Error   bad_argument where a length or an option is out of range

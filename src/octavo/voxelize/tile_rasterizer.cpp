@@ -122,7 +122,9 @@ public:
           rule_(rule),
           bitmap_(bitmap) {}
 
-    void add(const std::array<FixedPoint, 3>& corners) {
+    /// @param holes  of this triangle, or none
+    void add(const std::array<FixedPoint, 3>& corners, const CutOuts::Triangle* holes) {
+        holes_ = holes;
         const CellRange all = space_.voxels(corners);
         const CellRange voxels = intersection(all, tile_);
         if (voxels.empty()) return;
@@ -143,7 +145,7 @@ public:
 private:
     void set_voxel(const ivec3& voxel) {
         const std::uint32_t code = code_in_tile(voxel - tile_.first);
-        bitmap_.set(code >> 6, std::uint64_t{1} << (code & 63));
+        set_block(code >> 6, std::uint64_t{1} << (code & 63));
     }
 
     [[nodiscard]] std::uint32_t block_code(const ivec3& block) const {
@@ -151,6 +153,8 @@ private:
     }
 
     void set_block(std::uint32_t code, std::uint64_t voxels) {
+        if (holes_ && voxels != 0)
+            voxels = holes_->keep(ivec3(morton_decode(code)) + (tile_.first >> 2), voxels);
         if (voxels != 0) bitmap_.set(code, voxels);
     }
 
@@ -202,14 +206,21 @@ private:
     CellRange tile_;
     VoxelRule rule_;
     TileBitmap& bitmap_;
+    const CutOuts::Triangle* holes_ = nullptr;
 };
 
-void RasterizeTile(const FixedMesh& mesh, std::span<const TileTriangle> triangles,
-                   const uvec3& tile, int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
+void RasterizeTile(const FixedMesh& mesh, const CutOuts& cut_outs,
+                   std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
+                   VoxelRule rule, TileBitmap& bitmap) {
     Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
     std::array<FixedPoint, 3> corners;
-    for (const TileTriangle& t : triangles)
-        if (mesh.corners(t.triangle, corners)) rasterizer.add(corners);
+    CutOuts::Triangle holes;
+    for (const TileTriangle& t : triangles) {
+        if (!mesh.corners(t.triangle, corners)) continue;
+        const bool has_holes =
+            !cut_outs.empty() && cut_outs.find(mesh.scene_triangle(t.triangle), holes);
+        rasterizer.add(corners, has_holes ? &holes : nullptr);
+    }
 }
 
 void FindTiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, int grid_depth,
@@ -250,9 +261,11 @@ void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, i
     HWY_DYNAMIC_DISPATCH(FindTiles)(mesh, begin, end, grid_depth, tile_depth, out);
 }
 
-void rasterize_tile(const FixedMesh& mesh, std::span<const TileTriangle> triangles,
-                    const uvec3& tile, int tile_depth, VoxelRule rule, TileBitmap& bitmap) {
-    HWY_DYNAMIC_DISPATCH(RasterizeTile)(mesh, triangles, tile, tile_depth, rule, bitmap);
+void rasterize_tile(const FixedMesh& mesh, const CutOuts& cut_outs,
+                    std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
+                    VoxelRule rule, TileBitmap& bitmap) {
+    HWY_DYNAMIC_DISPATCH(RasterizeTile)
+    (mesh, cut_outs, triangles, tile, tile_depth, rule, bitmap);
 }
 
 std::vector<const char*> simd_targets() {

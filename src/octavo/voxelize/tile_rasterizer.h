@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octavo/core/vec.h"
+#include "octavo/voxelize/cut_outs.h"
 #include "octavo/voxelize/fixed_point.h"
 #include "octavo/voxelize/rule.h"
 #include "octavo/voxelize/tile_bitmap.h"
@@ -31,11 +32,12 @@ struct TileTriangle {
 void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, int grid_depth,
                 int tile_depth, std::vector<TileTriangle>& out);
 
-/// Marks the voxels of one tile that these triangles meet under the rule.
+/// Marks the voxels of one tile that these triangles meet under the rule, but for the holes.
 ///
 /// @param tile  the tile's position, in tiles
-void rasterize_tile(const FixedMesh& mesh, std::span<const TileTriangle> triangles,
-                    const uvec3& tile, int tile_depth, VoxelRule rule, TileBitmap& bitmap);
+void rasterize_tile(const FixedMesh& mesh, const CutOuts& cut_outs,
+                    std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
+                    VoxelRule rule, TileBitmap& bitmap);
 
 /// Names of the SIMD targets that this program was compiled for and this machine has, best first.
 [[nodiscard]] std::vector<const char*> simd_targets();

@@ -16,6 +16,8 @@ namespace {
 
 constexpr int kMaxTilesDepth = 10;  // so that a tile's Morton code fits 32 bits
 
+}  // namespace
+
 int checked_tile_depth(int tile_depth, int grid_depth) {
     if (tile_depth < 2 || tile_depth > grid_depth || tile_depth > kMaxTileDepth ||
         grid_depth - tile_depth > kMaxTilesDepth)
@@ -26,10 +28,9 @@ int checked_tile_depth(int tile_depth, int grid_depth) {
     return tile_depth;
 }
 
-}  // namespace
-
 TriangleSource::TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
     : mesh_(scene, grid),
+      cut_outs_(scene, grid),
       rule_(rule),
       tile_depth_(checked_tile_depth(tile_depth, grid.depth)),
       bitmaps_([tile_depth] { return TileBitmap(tile_depth); }) {
@@ -71,9 +72,8 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
 
 void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
     TileBitmap& bitmap = bitmaps_.local();
-    const std::span<const TileTriangle> triangles(pairs_.data() + tile_begins_[index],
-                                                  pairs_.data() + tile_begins_[index + 1]);
-    rasterize_tile(mesh_, triangles, morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
+    rasterize_tile(mesh_, cut_outs_, triangles(index), morton_decode(tiles_[index]), tile_depth_,
+                   rule_, bitmap);
     bitmap.take(leaves);
 }
 

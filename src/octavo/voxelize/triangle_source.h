@@ -4,9 +4,11 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octavo/core/grid.h"
+#include "octavo/voxelize/cut_outs.h"
 #include "octavo/voxelize/fixed_point.h"
 #include "octavo/voxelize/rule.h"
 #include "octavo/voxelize/tile_bitmap.h"
@@ -14,6 +16,9 @@
 #include "octavo/voxelize/voxel_source.h"
 
 namespace octavo {
+
+/// The tile depth, if it suits the grid. @throws Error bad_argument where it does not
+[[nodiscard]] int checked_tile_depth(int tile_depth, int grid_depth);
 
 /// A scene's triangles as voxels. Each triangle is sorted once into the tiles that it meets.
 ///
@@ -33,11 +38,18 @@ public:
     void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
+    [[nodiscard]] const CutOuts& cut_outs() const { return cut_outs_; }
+
+    /// The triangles that meet tiles()[index], in no particular order.
+    [[nodiscard]] std::span<const TileTriangle> triangles(std::size_t index) const {
+        return {pairs_.data() + tile_begins_[index], pairs_.data() + tile_begins_[index + 1]};
+    }
 
 private:
     void sort_into_tiles(int grid_depth);
 
     FixedMesh mesh_;
+    CutOuts cut_outs_;
     VoxelRule rule_;
     int tile_depth_;
     std::vector<TileTriangle> pairs_;  // sorted

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/attributes/cell_values.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+constexpr std::uint64_t kMaxWords = std::uint64_t{1} << 32;
+constexpr std::uint32_t kMaxPalette = 256;
+
+constexpr std::uint64_t words_of_bits(std::uint64_t bits) {
+    return (bits + 31) / 32;
+}
+
+/// Writes bits one after the other, from the lowest of each word.
+class BitWriter {
+public:
+    explicit BitWriter(std::vector<std::uint32_t>& words) : words_(words) {}
+    ~BitWriter() {
+        if (filled_ > 0) words_.push_back(static_cast<std::uint32_t>(waiting_));
+    }
+    BitWriter(const BitWriter&) = delete;
+    BitWriter& operator=(const BitWriter&) = delete;
+
+    void add(std::uint32_t value, int bits) {
+        waiting_ |= std::uint64_t{value} << filled_;
+        filled_ += bits;
+        if (filled_ < 32) return;
+        words_.push_back(static_cast<std::uint32_t>(waiting_));
+        waiting_ >>= 32;
+        filled_ -= 32;
+    }
+
+private:
+    std::vector<std::uint32_t>& words_;
+    std::uint64_t waiting_ = 0;
+    int filled_ = 0;
+};
+
+bool near(std::uint32_t a, std::uint32_t b, int tolerance) {
+    if (a >> 24 != b >> 24) return false;
+    for (int shift = 0; shift < 24; shift += 8)
+        if (std::abs(static_cast<int>(a >> shift & 255u) - static_cast<int>(b >> shift & 255u)) >
+            tolerance)
+            return false;
+    return true;
+}
+
+/// The palette of the values seen so far. An open-addressed table finds a value that is in it.
+class Palette {
+public:
+    explicit Palette(std::vector<std::uint32_t>& entries) : entries_(entries) { entries.clear(); }
+
+    std::uint8_t index_of(std::uint32_t value, int tolerance) {
+        std::uint32_t slot = value * 0x9e3779b1u >> 23;
+        for (; slots_[slot] != 0; slot = (slot + 1) % kSlots)
+            if (keys_[slot] == value) return static_cast<std::uint8_t>(slots_[slot] - 1);
+        std::uint32_t found = static_cast<std::uint32_t>(entries_.size());
+        for (std::uint32_t i = 0; tolerance > 0 && i < entries_.size(); ++i)
+            if (near(entries_[i], value, tolerance)) {
+                found = i;
+                break;
+            }
+        if (found == entries_.size()) entries_.push_back(value);
+        keys_[slot] = value;
+        slots_[slot] = static_cast<std::uint16_t>(found + 1);
+        return static_cast<std::uint8_t>(found);
+    }
+
+private:
+    static constexpr std::uint32_t kSlots = 512;  // at most 256 values: half full
+    std::vector<std::uint32_t>& entries_;
+    std::array<std::uint32_t, kSlots> keys_;
+    std::array<std::uint16_t, kSlots> slots_{};  // index + 1
+};
+
+}  // namespace
+
+std::optional<CellValues::Fault> CellValues::find_fault(std::span<const std::uint32_t> words,
+                                                        std::uint64_t count, int value_bits) {
+    const std::uint64_t blocks = (count + kBlockCells - 1) / kBlockCells;
+    if (words.size() > kMaxWords) return Fault{0, "too many words"};
+    if (words.size() < kHeaderWords || words.size() - kHeaderWords < blocks)
+        return Fault{words.size(), "the table of blocks is cut off"};
+    const auto width = static_cast<std::uint32_t>(value_bits);
+    if (words[0] != width) return Fault{0, "the values have another number of bits"};
+    if (words[1] != blocks) return Fault{1, "the number of blocks is not that of the cells"};
+
+    const std::uint64_t data = kHeaderWords + blocks;
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+        const std::uint64_t begin = words[kHeaderWords + b];
+        if (begin == 0) continue;
+        if (begin < data || begin >= words.size())
+            return Fault{kHeaderWords + b, "a block begins outside the data"};
+        const std::uint64_t room = 32 * (words.size() - begin - 1);
+        const std::uint64_t cells = std::min<std::uint64_t>(kBlockCells, count - b * kBlockCells);
+        const std::uint32_t form = words[begin];
+        const std::uint32_t index_bits = form & 0xffu, palette = form >> 8;
+        if (index_bits == kRaw) {
+            if (palette != 0) return Fault{begin, "a block without a palette states one"};
+            if (cells * width > room) return Fault{begin, "a block reaches past the end"};
+            continue;
+        }
+        if (index_bits > 8 || palette == 0 || palette > kMaxPalette)
+            return Fault{begin, "a block has an unknown form"};
+        if (std::uint64_t{palette} * width + cells * index_bits > room)
+            return Fault{begin, "a block reaches past the end"};
+        if (palette >= 1u << index_bits) continue;
+        const CellValues block(words, count, nullptr);
+        for (std::uint32_t i = 0; i < cells; ++i)
+            if (block.bits(static_cast<std::uint32_t>(begin) + 1, palette * width + i * index_bits,
+                           index_bits) >= palette)
+                return Fault{begin, "an index is past the end of its palette"};
+    }
+    return std::nullopt;
+}
+
+void BlockPacker::pack(std::span<const std::uint32_t> values, PackedBlocks& out) {
+    if (std::all_of(values.begin(), values.end(), [](std::uint32_t v) { return v == 0; })) {
+        out.begins.push_back(0);
+        return;
+    }
+    indices_.clear();
+    Palette palette(palette_);
+    for (const std::uint32_t value : values)
+        indices_.push_back(palette.index_of(value, tolerance_));
+
+    const auto colors = static_cast<std::uint32_t>(palette_.size());
+    const int index_bits = std::bit_width(colors - 1);
+    const std::uint64_t width = static_cast<unsigned>(value_bits_);
+    const bool raw =
+        words_of_bits(values.size() * width) <=
+        words_of_bits(colors * width + values.size() * static_cast<unsigned>(index_bits));
+    out.begins.push_back(static_cast<std::uint32_t>(out.words.size()) + 1);
+    out.words.push_back(raw ? CellValues::kRaw : static_cast<unsigned>(index_bits) | colors << 8);
+    BitWriter bits(out.words);
+    if (raw) {
+        // Only what a palette saves is worth an error.
+        for (const std::uint32_t value : values) bits.add(value, value_bits_);
+        return;
+    }
+    for (const std::uint32_t color : palette_) bits.add(color, value_bits_);
+    for (const std::uint8_t index : indices_) bits.add(index, index_bits);
+}
+
+void CellValuesWriter::check_room() const {
+    if (blocks_.begins.size() + blocks_.words.size() + CellValues::kHeaderWords >= kMaxWords)
+        throw Error(Errc::limit,
+                    "an attribute takes more than 16 GiB; lower the attribute resolution");
+}
+
+void CellValuesWriter::append(std::span<const std::uint32_t> values) {
+    count_ += values.size();
+    while (!values.empty()) {
+        const std::size_t some = std::min(values.size(), CellValues::kBlockCells - pending_.size());
+        pending_.insert(pending_.end(), values.begin(), values.begin() + static_cast<long>(some));
+        values = values.subspan(some);
+        if (pending_.size() < CellValues::kBlockCells) return;
+        packer_.pack(pending_, blocks_);
+        pending_.clear();
+    }
+    check_room();
+}
+
+void CellValuesWriter::append(const PackedBlocks& blocks) {
+    const auto base = static_cast<std::uint32_t>(blocks_.words.size());
+    for (const std::uint32_t begin : blocks.begins)
+        blocks_.begins.push_back(begin == 0 ? 0 : begin + base);
+    blocks_.words.insert(blocks_.words.end(), blocks.words.begin(), blocks.words.end());
+    count_ += CellValues::kBlockCells * blocks.begins.size();
+    check_room();
+}
+
+CellValues CellValuesWriter::finish() && {
+    if (!pending_.empty()) packer_.pack(pending_, blocks_);
+    check_room();
+    const auto data = CellValues::kHeaderWords + static_cast<std::uint32_t>(blocks_.begins.size());
+    auto words = std::make_shared<std::vector<std::uint32_t>>();
+    words->reserve(data + blocks_.words.size());
+    words->push_back(static_cast<std::uint32_t>(packer_.value_bits()));
+    words->push_back(static_cast<std::uint32_t>(blocks_.begins.size()));
+    for (const std::uint32_t begin : blocks_.begins)
+        words->push_back(begin == 0 ? 0 : begin - 1 + data);
+    words->insert(words->end(), blocks_.words.begin(), blocks_.words.end());
+    blocks_ = {};
+    const std::span<const std::uint32_t> all(*words);
+    return {all, count_, std::move(words)};
+}
+
+}  // namespace octavo

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/attributes/tile_averages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "octavo/attributes/triangle_pieces.h"
+#include "octavo/core/morton.h"
+
+namespace octavo {
+namespace {
+
+constexpr std::uint32_t kNoNumber = 0xffffffffu;
+constexpr double kAreaUnits = 4294967296.0;  // of a cell's face
+constexpr double kNormalUnits = 16384.0;
+// Triangles that face further away from the front than this are the back: some 105 degrees.
+constexpr float kOpposed = -0.25f;
+
+using Channel = Attributes::Channel;
+
+/// How wide the pieces of a triangle are: a cell, or less where all of it is less.
+double footprint_of(double area) {
+    return std::min(1.0, std::sqrt(area));
+}
+
+/// The point of a triangle that is nearest to p. Ericson, "Real-Time Collision Detection", 5.1.5.
+dvec3 nearest_point(const std::array<dvec3, 3>& t, const dvec3& p) {
+    const dvec3 ab = t[1] - t[0], ac = t[2] - t[0];
+    const auto on_segment = [&](const dvec3& a, const dvec3& b) {
+        const double square = glm::dot(b - a, b - a);
+        if (square == 0.0) return a;
+        return a + std::clamp(glm::dot(p - a, b - a) / square, 0.0, 1.0) * (b - a);
+    };
+    const dvec3 normal = glm::cross(ab, ac);
+    const double square = glm::dot(normal, normal);
+    if (square > 0.0) {
+        const double b = glm::dot(glm::cross(p - t[0], ac), normal) / square;
+        const double c = glm::dot(glm::cross(ab, p - t[0]), normal) / square;
+        if (b >= 0.0 && c >= 0.0 && b + c <= 1.0) return t[0] + b * ab + c * ac;
+    }
+    dvec3 best = t[0];
+    double least = std::numeric_limits<double>::infinity();
+    for (unsigned i = 0; i < 3; ++i) {
+        const dvec3 q = on_segment(t[i], t[(i + 1) % 3]);
+        const double distance = glm::dot(q - p, q - p);
+        if (distance < least) {
+            least = distance;
+            best = q;
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+/// What the parts on one side of a cell come to. Whole numbers, so their order makes no difference.
+/// A cell's face is 2^32 and colours have 16 bits: the sums hold for 65 536 faces in a cell.
+class TileAverager::Sum {
+public:
+    void add(const Part& part, const Facet& facet) {
+        // Emission and normal count the whole area, colour only what is no hole.
+        area_ += part.area;
+        const std::uint64_t solid =
+            part.sample.opacity == 65535 ? part.area : part.area * part.sample.opacity / 65535;
+        solid_ += solid;
+        for (unsigned i = 0; i < 3; ++i) {
+            color_[i] += solid * part.sample.color[i];
+            emission_[i] += (part.area >> 8) * part.sample.emission[i];
+            normal_[i] += static_cast<std::int64_t>(part.area >> 8) * facet.normal[i];
+        }
+    }
+    [[nodiscard]] std::uint64_t area() const { return area_; }
+    [[nodiscard]] std::uint32_t color() const {
+        if (solid_ == 0) return 0;
+        Rgb8 c{};
+        for (unsigned i = 0; i < 3; ++i)
+            c[i] =
+                srgb8_from_linear16(static_cast<std::uint32_t>((color_[i] + solid_ / 2) / solid_));
+        return pack_rgb8(c);
+    }
+    [[nodiscard]] std::uint32_t emission(float greatest) const {
+        if (area_ == 0 || (emission_[0] | emission_[1] | emission_[2]) == 0) return 0;
+        const double scale = greatest / (static_cast<double>(area_) * (1048576.0 / 256.0));
+        vec3 mean;
+        for (int i = 0; i < 3; ++i)
+            mean[i] = static_cast<float>(static_cast<double>(emission_[static_cast<unsigned>(i)]) *
+                                         scale);
+        return pack_rgb9e5(mean);
+    }
+    [[nodiscard]] vec3 normal() const {
+        return {static_cast<float>(normal_[0]), static_cast<float>(normal_[1]),
+                static_cast<float>(normal_[2])};
+    }
+
+private:
+    std::uint64_t area_ = 0, solid_ = 0;
+    std::array<std::uint64_t, 3> color_{}, emission_{};
+    std::array<std::int64_t, 3> normal_{};
+};
+
+TileAverager::TileAverager(const CellIndex& cells, const FixedMesh& mesh,
+                           const SurfaceSampler& surfaces, const AttributeOptions& wanted,
+                           int tile_depth)
+    : cells_(cells),
+      mesh_(mesh),
+      surfaces_(surfaces),
+      wanted_(wanted),
+      tile_depth_(tile_depth),
+      unit_(std::ldexp(1.0, -mesh.fraction_bits())),
+      masks_(std::size_t{1} << 3 * std::max(0, tile_depth - 2)),
+      firsts_(masks_.size()) {}
+
+void TileAverager::average(const uvec3& tile, const CellRange& range,
+                           std::span<const TileTriangle> triangles, TileValues& out) {
+    find_cells(range);
+    to_tile_ = dvec3(mesh_.base()) - dvec3(tile << static_cast<unsigned>(tile_depth_));
+    cut_triangles(triangles);
+    sort_parts();
+    touch_bare_cells();
+    for (auto& values : out) values.clear();
+    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
+        write(std::span(part_order_)
+                  .subspan(part_begins_[cell], part_begins_[cell + 1] - part_begins_[cell]),
+              out);
+}
+
+void TileAverager::find_cells(const CellRange& range) {
+    for (const std::uint32_t block : blocks_) masks_[block] = 0;
+    blocks_.clear();
+    codes_.clear();
+    const std::uint64_t in_tile = (std::uint64_t{1} << 3 * tile_depth_) - 1;
+    cells_.for_each_code(range, [&](std::uint64_t, std::uint64_t in_grid) {
+        const std::uint64_t code = in_grid & in_tile;
+        const auto block = static_cast<std::uint32_t>(code >> 6);
+        if (masks_[block] == 0) {
+            blocks_.push_back(block);
+            firsts_[block] = static_cast<std::uint32_t>(codes_.size());
+        }
+        masks_[block] |= std::uint64_t{1} << (code & 63u);
+        codes_.push_back(static_cast<std::uint32_t>(code));
+    });
+}
+
+std::uint32_t TileAverager::number_of(const ivec3& cell) const {
+    const std::uint64_t code = morton_encode(uvec3(cell));
+    const std::uint64_t mask = masks_[code >> 6];
+    const std::uint64_t bit = std::uint64_t{1} << (code & 63u);
+    if (!(mask & bit)) return kNoNumber;
+    return firsts_[code >> 6] + static_cast<unsigned>(std::popcount(mask & (bit - 1)));
+}
+
+void TileAverager::cut_triangles(std::span<const TileTriangle> triangles) {
+    facets_.clear();
+    parts_.clear();
+    const ivec3 end(1 << tile_depth_);
+    for (const TileTriangle& t : triangles) {
+        std::array<FixedPoint, 3> fixed;
+        if (!mesh_.corners(t.triangle, fixed)) continue;
+        Facet facet{};
+        facet.in_scene = mesh_.scene_triangle(t.triangle);
+        for (unsigned i = 0; i < 3; ++i)
+            facet.corners[i] = dvec3(fixed[i].x, fixed[i].y, fixed[i].z) * unit_ + to_tile_;
+        const TrianglePieces pieces(facet.corners);
+        if (pieces.area() > 0.0) {
+            const dvec3 n = pieces.normal();
+            for (int i = 0; i < 3; ++i)
+                facet.normal[static_cast<unsigned>(i)] = std::llround(n[i] * kNormalUnits);
+            const dvec3 size = glm::abs(n);
+            const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+            facet.facing = 2 * axis + (n[axis] > 0.0);
+        }
+        const auto number = static_cast<std::uint32_t>(facets_.size());
+        facets_.push_back(facet);
+        const SurfaceSampler::Triangle surface =
+            surfaces_.prepare(facet.in_scene, facet.corners, footprint_of(pieces.area()));
+        pieces.for_each(ivec3(0), end, [&](const TrianglePieces::Piece& piece) {
+            const std::uint32_t cell = number_of(piece.cell);
+            const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
+            if (cell == kNoNumber || area == 0) return;
+            const SurfaceSample sample = surface.at(piece.centre);
+            if (sample.opacity != 0) parts_.push_back({cell, number, area, sample});
+        });
+    }
+}
+
+void TileAverager::sort_parts() {
+    part_begins_.assign(codes_.size() + 1, 0);
+    for (const Part& part : parts_) ++part_begins_[part.cell];
+    std::uint32_t total = 0;
+    for (std::uint32_t& begin : part_begins_) {
+        total += begin;
+        begin = total;
+    }
+    part_order_.resize(parts_.size());
+    for (std::size_t i = parts_.size(); i-- > 0;)
+        part_order_[--part_begins_[parts_[i].cell]] = static_cast<std::uint32_t>(i);
+}
+
+/// Cells that triangles only touch get one part from the nearest.
+void TileAverager::touch_bare_cells() {
+    struct Bare {
+        std::uint32_t cell;
+        double distance = std::numeric_limits<double>::infinity();
+        std::uint32_t facet = kNoNumber;
+        dvec3 point{0.0};
+    };
+    std::vector<Bare> bare;
+    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
+        if (part_begins_[cell] == part_begins_[cell + 1]) bare.push_back({.cell = cell});
+    if (bare.empty()) return;
+
+    const auto offer = [&](Bare& b, std::uint32_t number) {
+        const Facet& facet = facets_[number];
+        const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
+        const dvec3 point = nearest_point(facet.corners, centre);
+        const double distance = glm::dot(point - centre, point - centre);
+        // Of equally near ones the one that has the lesser corners, whatever their order.
+        const auto before = [&](const Facet& other) {
+            for (unsigned i = 0; i < 3; ++i)
+                for (int axis = 0; axis < 3; ++axis)
+                    if (facet.corners[i][axis] != other.corners[i][axis])
+                        return facet.corners[i][axis] < other.corners[i][axis];
+            return false;
+        };
+        if (distance < b.distance ||
+            (distance == b.distance && b.facet != kNoNumber && before(facets_[b.facet])))
+            b = {b.cell, distance, number, point};
+    };
+    constexpr double kReach =
+        1.01;  // a triangle that touches the cell is no further from its middle
+    for (std::uint32_t number = 0; number < facets_.size(); ++number) {
+        const auto& c = facets_[number].corners;
+        const dvec3 low = glm::min(c[0], glm::min(c[1], c[2])) - kReach;
+        const dvec3 high = glm::max(c[0], glm::max(c[1], c[2])) + kReach;
+        for (Bare& b : bare) {
+            const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
+            if (glm::all(glm::greaterThanEqual(centre, low)) &&
+                glm::all(glm::lessThanEqual(centre, high)))
+                offer(b, number);
+        }
+    }
+    // Rounding may have moved the triangle that a voxel was set by: then whatever is nearest.
+    for (Bare& b : bare)
+        if (b.facet == kNoNumber)
+            for (std::uint32_t number = 0; number < facets_.size(); ++number) offer(b, number);
+
+    for (const Bare& b : bare) {
+        Part part{b.cell, b.facet, 1 << 16, {}};
+        part.sample.color = {65535, 65535, 65535};
+        if (b.facet != kNoNumber) {
+            const Facet& facet = facets_[b.facet];
+            part.sample = surfaces_.prepare(facet.in_scene, facet.corners, 1.0).at(b.point);
+            part.sample.opacity = 65535;
+        } else {
+            part.facet = static_cast<std::uint32_t>(facets_.size());
+            facets_.push_back({});
+        }
+        parts_.push_back(part);
+    }
+    sort_parts();
+}
+
+void TileAverager::put(TileValues& out, Channel channel, std::uint32_t value) const {
+    const bool kept = channel == Channel::color ? wanted_.color
+                      : channel == Channel::emission || channel == Channel::back_emission
+                          ? wanted_.emission
+                      : channel == Channel::back ? true
+                                                 : wanted_.normal;
+    if (kept) out[static_cast<std::size_t>(channel)].push_back(value);
+}
+
+void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) const {
+    const float greatest = surfaces_.greatest_emission();
+    if (parts.size() == 1) {  // as in most cells
+        const Part& part = parts_[parts[0]];
+        Sum sum;
+        sum.add(part, facets_[part.facet]);
+        Rgb8 color{};
+        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
+        put(out, Channel::color, pack_rgb8(color));
+        put(out, Channel::back, 0);
+        put(out, Channel::emission, sum.emission(greatest));
+        put(out, Channel::back_emission, 0);
+        put(out, Channel::normal, wanted_.normal ? pack_normal(sum.normal()) : 0);
+        put(out, Channel::back_normal, 0);
+        return;
+    }
+    // The front is the way that most area faces: by main axes first, then exactly.
+    std::array<std::uint64_t, 6> facing{};
+    bool one_way = true;
+    for (const std::uint32_t p : parts) {
+        const int way = facets_[parts_[p].facet].facing;
+        facing[static_cast<unsigned>(way)] += parts_[p].area;
+        one_way = one_way && way == facets_[parts_[parts[0]].facet].facing;
+    }
+    Sum front, back;
+    std::uint32_t direction = 0;
+    if (one_way) {
+        for (const std::uint32_t p : parts) front.add(parts_[p], facets_[parts_[p].facet]);
+    } else {
+        const int main =
+            static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
+        Sum most;
+        for (const std::uint32_t p : parts) {
+            const Facet& facet = facets_[parts_[p].facet];
+            if (facet.facing == main) most.add(parts_[p], facet);
+        }
+        direction = pack_coarse_direction(most.normal());
+        const vec3 towards = unpack_coarse_direction(direction);
+        for (const std::uint32_t p : parts) {
+            const Facet& facet = facets_[parts_[p].facet];
+            const vec3 normal = vec3(facet.normal[0], facet.normal[1], facet.normal[2]) /
+                                static_cast<float>(kNormalUnits);
+            (glm::dot(normal, towards) < kOpposed ? back : front).add(parts_[p], facet);
+        }
+    }
+    const std::uint32_t color = front.color(), emission = front.emission(greatest);
+    std::uint32_t back_value = 0, back_emission = emission;
+    std::uint32_t normal = wanted_.normal ? pack_normal(front.normal()) : 0, back_normal = 0;
+    if (back.area() > 0) {
+        back_value = pack_back(back.color(), direction);
+        back_emission = back.emission(greatest);
+        if (wanted_.normal) back_normal = pack_normal(back.normal());
+        // A second side that would look like the first is not kept.
+        const bool differs = (wanted_.color && back.color() != color) ||
+                             (wanted_.emission && back_emission != emission) || wanted_.normal;
+        if (!differs) back_value = 0;
+    }
+    if (back_value == 0) back_emission = back_normal = 0;
+    put(out, Channel::color, color);
+    put(out, Channel::back, back_value);
+    put(out, Channel::emission, emission);
+    put(out, Channel::back_emission, back_emission);
+    put(out, Channel::normal, normal);
+    put(out, Channel::back_normal, back_normal);
+}
+
+}  // namespace octavo

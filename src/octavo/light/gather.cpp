@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/light/gather.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "octavo/render/effects.h"
+
+namespace octavo {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kPerPi = std::numbers::inv_pi_v<float>;
+
+// One sequence of random numbers for each purpose.
+constexpr std::uint32_t kLampSeed = 0x02e5be93u;
+constexpr std::uint32_t kAroundSeed = 0x68bc21ebu;
+constexpr std::uint32_t kSkySeed = 0x967a889bu;
+constexpr std::uint32_t kEmitterSeed = 0x368cc8b7u;
+constexpr std::uint32_t kEmitterChoiceSeed = 0x5bd1e995u;
+
+int round_up(int count, int parts) {
+    return (count + parts - 1) / parts * parts;
+}
+
+}  // namespace
+
+Gatherer::Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays, int parts)
+    : world_(world), from_(from), rays_(rays), parts_(parts) {
+    rays_.lamp = round_up(rays.lamp, parts);
+    rays_.around = round_up(rays.around, parts);
+    rays_.source = round_up(rays.source, parts);
+}
+
+std::size_t Gatherer::begin() {
+    if (any_rays_.size() + closest_rays_.size() >= kMostRays) trace();
+    sums_.emplace_back(0.0f);
+    if (keeps_hits_) kept_.push_back({0, {}, shared::make_miss(0.0f, 0)});
+    return sums_.size() - 1;
+}
+
+void Gatherer::add(const LitPoint& point, int part, std::uint32_t seed) {
+    if (has(from_, LightFrom::lamps)) add_lamps(point, part, seed);
+    if (has(from_, LightFrom::sources)) {
+        if (world_.scene().sky.uneven()) add_sky(point, part, seed);
+        if (!world_.emitters().empty()) add_emitters(point, part, seed);
+    }
+    const bool sources = has(from_, LightFrom::sources) &&
+                         (!world_.scene().sky.black() || !world_.emitters().empty());
+    const bool around = has(from_, LightFrom::cells) || keeps_hits_ || sources;
+    if (around) add_around(point, part, seed);
+}
+
+void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
+    for (const std::uint32_t n : world_.lamps_near(point.position())) {
+        const Lamp& lamp = world_.lamps()[n];
+        const SeenLamp seen(lamp, point.start, point.face, point.normal, rays_.hard);
+        if (seen.dark()) continue;
+        const ivec2 some = share(rays_.lamp, part);
+        const float scale = kPerPi / static_cast<float>(rays_.lamp);
+        for (int i = some.x; i < some.y; ++i) {
+            const LampRay ray = seen.ray(i, seed ^ (kLampSeed + 0x9e3779b9u * n));
+            if (!(ray.light > 0.0f)) continue;
+            any_rays_.push_back(ray.ray);
+            any_.push_back({lamp.light().intensity * (ray.light * scale), 0.0f,
+                            static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+        }
+    }
+}
+
+void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed) {
+    const ivec2 some = share(rays_.around, part);
+    const float count = static_cast<float>(rays_.around);
+    for (int i = some.x; i < some.y; ++i) {
+        const vec2 square = shared::sample_2d(static_cast<std::uint32_t>(i), seed ^ kAroundSeed);
+        shared::GridRay ray = point.start;
+        const vec3 direction = shared::cosine_direction(point.normal, square);
+        ray.dir = shared::bend_outwards(direction, point.face);
+        const float cosine = glm::dot(direction, point.normal);
+        closest_rays_.push_back(ray);
+        closest_.push_back({vec3(1.0f / count), cosine * kPerPi,
+                            static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+    }
+}
+
+void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
+    const Sky& sky = world_.scene().sky;
+    const ivec2 some = share(rays_.source, part);
+    const float count = static_cast<float>(rays_.source);
+    const float around = static_cast<float>(rays_.around);
+    for (int i = some.x; i < some.y; ++i) {
+        const SkySample sample =
+            sky.sample(shared::sample_2d(static_cast<std::uint32_t>(i), seed ^ kSkySeed));
+        const float cosine = glm::dot(sample.direction, point.normal);
+        if (!(cosine > 0.0f) || !(sample.density > 0.0f)) continue;
+        shared::GridRay ray = point.start;
+        ray.dir = shared::bend_outwards(sample.direction, point.face);
+        const float weight =
+            cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
+        any_rays_.push_back(ray);
+        any_.push_back({weight * sky.radiance(sample.direction), 0.0f,
+                        static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+    }
+}
+
+void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed) {
+    const ivec2 some = share(rays_.source, part);
+    const float count = static_cast<float>(rays_.source);
+    const float around = static_cast<float>(rays_.around);
+    const dvec3 from = point.position();
+    for (int i = some.x; i < some.y; ++i) {
+        const auto number = static_cast<std::uint32_t>(i);
+        const Emitters::Sample sample =
+            world_.emitters().sample(from, shared::sample_1d(number, seed ^ kEmitterChoiceSeed),
+                                     shared::sample_2d(number, seed ^ kEmitterSeed));
+        const float cosine = glm::dot(sample.direction, point.normal);
+        if (!(cosine > 0.0f)) continue;
+        shared::GridRay ray = point.start;
+        ray.dir = shared::bend_outwards(sample.direction, point.face);
+        const float weight =
+            cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
+        closest_rays_.push_back(ray);
+        closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1),
+                            sample.object, sample.cell});
+    }
+}
+
+vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit) const {
+    const bool sources = has(from_, LightFrom::sources);
+    if (w.emitter_object != kAround) {
+        if (!hit || hit.object != w.emitter_object) return vec3(0.0f);
+        const CellSide side = world_.side(hit);
+        return side.cell == w.emitter_cell ? world_.emission(side) : vec3(0.0f);
+    }
+    const float around = static_cast<float>(rays_.around);
+    const float source = static_cast<float>(rays_.source);
+    if (!hit) {
+        if (!sources) return vec3(0.0f);
+        const Sky& sky = world_.scene().sky;
+        float weight = 1.0f;
+        if (sky.uneven())
+            weight = around * w.density / (around * w.density + source * sky.density(ray.dir));
+        return weight * sky.radiance(ray.dir);
+    }
+    const CellSide side = world_.side(hit);
+    vec3 light(0.0f);
+    if (sources) {
+        const vec3 emission = world_.emission(side);
+        if (emission != vec3(0.0f)) {
+            const float density =
+                world_.emitters().density(origin_of(ray), side.object, side.cell);
+            light += around * w.density / (around * w.density + source * density) * emission;
+        }
+    }
+    if (has(from_, LightFrom::cells)) light += world_.albedo(side) * world_.stored_light(side);
+    return light;
+}
+
+void Gatherer::trace() {
+    occluded_.resize(any_rays_.size());
+    world_.instances().trace_any(any_rays_, {0, 0.0f, 0.0f}, occluded_);
+    for (std::size_t i = 0; i < any_.size(); ++i)
+        if (occluded_[i] == 0) sums_[any_[i].sum] += any_[i].light;
+    hits_.resize(closest_rays_.size());
+    world_.instances().trace_closest(closest_rays_, {0, 0.0f, 0.0f}, hits_);
+    for (std::size_t i = 0; keeps_hits_ && i < closest_.size(); ++i)
+        if (closest_[i].emitter_object == kAround) kept_[closest_[i].sum] = hits_[i];
+    for (std::size_t i = 0; i < closest_.size(); ++i)
+        sums_[closest_[i].sum] +=
+            closest_[i].light * found(closest_[i], closest_rays_[i], hits_[i]);
+    traced_ += any_rays_.size() + closest_rays_.size();
+    any_rays_.clear();
+    closest_rays_.clear();
+    any_.clear();
+    closest_.clear();
+}
+
+}  // namespace octavo

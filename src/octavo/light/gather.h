@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octavo/light/lit_world.h"
+
+namespace octavo {
+
+/// Where the light that is gathered comes from.
+enum class LightFrom {
+    lamps = 1,    // straight from lamps
+    sources = 2,  // straight from the sky and from cells that shine
+    cells = 4,    // sent back by cells, as it is stored for them
+};
+[[nodiscard]] constexpr LightFrom operator|(LightFrom a, LightFrom b) {
+    return static_cast<LightFrom>(static_cast<int>(a) | static_cast<int>(b));
+}
+[[nodiscard]] constexpr bool has(LightFrom set, LightFrom one) {
+    return (static_cast<int>(set) & static_cast<int>(one)) != 0;
+}
+
+/// How many rays ask what light falls on a point.
+struct GatherRays {
+    int lamp = 16;     // towards each lamp in reach that has a size
+    int around = 32;   // over the hemisphere, by the cosine
+    int source = 16;   // towards an uneven sky, and as many towards cells that shine
+    bool hard = false;  // rays to lamps go to their middle
+};
+
+/// Finds the light that falls on points, many rays at a time: one thread's.
+///
+/// Rays over the hemisphere and rays towards bright sky and shining cells may find the same light;
+/// each counts by how likely it was to (the balance heuristic of Veach and Guibas, "Optimally
+/// Combining Sampling Techniques for Monte Carlo Rendering", 1995).
+class Gatherer {
+public:
+    /// @param parts  over how many points the rays of each sum are shared out; counts are rounded up
+    ///               to multiples of it
+    Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays, int parts);
+
+    /// Begins a sum. @return its number, from 0
+    std::size_t begin();
+
+    /// Adds rays of one point to the last sum.
+    ///
+    /// @param part  0 to parts - 1, each once
+    /// @param seed  of the sum's random numbers
+    void add(const LitPoint& point, int part, std::uint32_t seed);
+
+    /// Traces what is waiting. Call it before light().
+    void trace();
+
+    /// What a white surface at the points of the sum sends back: irradiance over pi.
+    [[nodiscard]] vec3 light(std::size_t sum) const { return sums_[sum]; }
+
+    /// Keeps where the last ray over the hemisphere of each sum ended, for hit().
+    void keep_hits() { keeps_hits_ = true; }
+    [[nodiscard]] const InstanceHit& hit(std::size_t sum) const { return kept_[sum]; }
+
+    [[nodiscard]] std::uint64_t rays_traced() const { return traced_; }
+
+    void clear() {
+        sums_.clear();
+        kept_.clear();
+    }
+
+private:
+    struct Waiting {       // what a ray brings if it meets nothing; or, of a closest ray, a factor
+        vec3 light;
+        float density;     // of the direction by the cosine, and for a source ray by its choice
+        std::uint32_t sum;
+        std::uint32_t emitter_object;  // of a ray towards a cell that shines; else kAround
+        std::uint64_t emitter_cell;
+    };
+    static constexpr std::uint32_t kAround = 0xffffffffu;
+    static constexpr std::size_t kMostRays = 8192;
+
+    void add_lamps(const LitPoint& point, int part, std::uint32_t seed);
+    void add_around(const LitPoint& point, int part, std::uint32_t seed);
+    void add_sky(const LitPoint& point, int part, std::uint32_t seed);
+    void add_emitters(const LitPoint& point, int part, std::uint32_t seed);
+    [[nodiscard]] vec3 found(const Waiting& w, const shared::GridRay& ray,
+                             const InstanceHit& hit) const;
+
+    const LitWorld& world_;
+    LightFrom from_;
+    [[nodiscard]] ivec2 share(int count, int part) const {
+        return {count / parts_ * part, count / parts_ * (part + 1)};
+    }
+
+    GatherRays rays_;
+    int parts_;
+    bool keeps_hits_ = false;
+    std::vector<InstanceHit> kept_;
+    std::vector<vec3> sums_;
+    std::vector<shared::GridRay> any_rays_, closest_rays_;
+    std::vector<Waiting> any_, closest_;
+    std::vector<std::uint8_t> occluded_;
+    std::vector<InstanceHit> hits_;
+    std::uint64_t traced_ = 0;
+};
+
+}  // namespace octavo

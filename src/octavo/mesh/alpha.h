@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+
+#include "octavo/mesh/scene.h"
+
+namespace octavo {
+
+/// The material of a triangle, or a plain white one.
+[[nodiscard]] const Material& material_of(const Scene& scene, std::size_t triangle);
+
+/// The decoded texture with this index, or nothing.
+[[nodiscard]] const Texture* decoded_texture(const Scene& scene, int texture);
+
+/// The alpha, as a byte of its texture, from which a place of this triangle is no hole: 0 where it
+/// has none, 256 where it is nothing but hole. Alpha is that of the material times that of the
+/// corners, of which the greatest counts, times that of the texture.
+[[nodiscard]] int least_alpha(const Scene& scene, std::size_t triangle);
+
+}  // namespace octavo

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+//
+// The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h and
+// attributes/cell_rank.h. A backend includes before it
+//     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
+//     and      uint light_load(LightView light, uint word);
+#pragma once
+
+OCTAVO_SHARED_BEGIN
+
+const uint kHiddenLight = 0xf8000000u;
+
+// RGB9E5.
+OCTAVO_FN vec3 unpack_light(uint word) {
+    float scale = exp2(float(word >> 27) - 24.0f);
+    return scale * vec3(float(word & 511u), float((word >> 9) & 511u), float((word >> 18) & 511u));
+}
+
+// The light of a side of a cell; where it is hidden, the mean of those that are not.
+OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
+    uint word = light_load(light, 6u * cell + uint(direction));
+    if (word != kHiddenLight) return unpack_light(word);
+    vec3 sum = vec3(0.0f);
+    float count = 0.0f;
+    for (uint i = 0u; i < 6u; i += 1u) {
+        uint other = light_load(light, 6u * cell + i);
+        if (other == kHiddenLight) continue;
+        sum += unpack_light(other);
+        count += 1.0f;
+    }
+    return sum / max(count, 1.0f);
+}
+
+// What a white surface at a hit sends back, by the light of the cells around it.
+//
+// Each axis of the normal has the direction in which it points, and counts by its square (the
+// ambient cube of McTaggart, "Half-Life 2 / Valve Source Shading", GDC 2004). For each, the eight
+// cells around the point half a cell below the surface are weighted as in trilinear filtering;
+// those that are empty, or hidden in this direction, are left out. So are those whose face cannot be
+// seen from before the hit: a wall has dark cells, or bright ones, on its other side, and none of
+// their light comes through.
+//
+//   surface  a ray from the hit, on its face (leave_hit)
+//   before   where the surface is seen from: a ray from above the face, or the same
+//   face     of the cell that was hit
+//   normal   unit length
+OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRay surface,
+                            GridRay before, int face, vec3 normal) {
+    Stop to_voxels;
+    to_voxels.height = 0;
+    to_voxels.cone = 0.0f;
+    to_voxels.time_before = 0.0f;
+    int shift = dag.depth - cells.level;
+    float width = float(1 << shift);
+    vec3 at = (vec3(surface.cell) + surface.frac) / width - 0.5f * normal - 0.5f;
+    ivec3 low = ivec3(floor(at));
+    vec3 part = at - vec3(low);
+    // The voxel behind the face that was hit, in cells.
+    vec3 behind = (vec3(surface.cell) + surface.frac) / width;
+    if (face < kFaceInside) behind[face / 2] += ((face & 1) == 1 ? -0.5f : 0.5f) / width;
+    ivec3 own = ivec3(floor(behind));
+
+    vec3 sums[3];
+    vec3 weights = vec3(0.0f);
+    for (int axis = 0; axis < 3; axis += 1) sums[axis] = vec3(0.0f);
+    for (int i = 0; i < 8; i += 1) {
+        ivec3 far_half = ivec3(i & 1, (i >> 1) & 1, i >> 2);
+        vec3 near_weights = mix(1.0f - part, part, vec3(far_half));
+        float weight = near_weights.x * near_weights.y * near_weights.z;
+        ivec3 cell = low + far_half;
+        if (weight < 0.002f || any(notEqual(cell >> cells.level, ivec3(0)))) continue;
+        uint rank = cell_rank(dag, cells, uvec3(cell));
+        if (rank == kNoCell) continue;
+        for (int axis = 0; axis < 3; axis += 1) {
+            if (normal[axis] * normal[axis] < 0.002f) continue;
+            int direction = 2 * axis + (normal[axis] > 0.0f ? 1 : 0);
+            uint word = light_load(light, 6u * rank + uint(direction));
+            if (word == kHiddenLight) continue;
+            if (direction != face || any(notEqual(cell, own))) {
+                vec3 to = vec3(cell) + 0.5f;
+                to[axis] += normal[axis] > 0.0f ? 0.75f : -0.75f;
+                GridRay ray = before;
+                ray.dir = bend_outwards(
+                    (to - vec3(before.cell >> shift)) * width -
+                        (vec3(before.cell - ((before.cell >> shift) << shift)) + before.frac),
+                    face);
+                ray.t_min = 0.0f;
+                ray.t_max = 1.0f;
+                if (trace_any(dag, ray, to_voxels)) continue;
+            }
+            sums[axis] += weight * unpack_light(word);
+            weights[axis] += weight;
+        }
+    }
+    vec3 sum = vec3(0.0f);
+    float total = 0.0f;
+    for (int axis = 0; axis < 3; axis += 1) {
+        if (weights[axis] <= 0.0f) continue;
+        float square = normal[axis] * normal[axis];
+        sum += square / weights[axis] * sums[axis];
+        total += square;
+    }
+    if (total > 0.0f) return sum / total;
+    if (any(notEqual(own >> cells.level, ivec3(0)))) return vec3(0.0f);
+    uint rank = cell_rank(dag, cells, uvec3(own));
+    if (rank == kNoCell || face >= kFaceInside) return vec3(0.0f);
+    return side_light(light, rank, face);
+}
+
+OCTAVO_SHARED_END
