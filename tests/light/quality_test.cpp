@@ -45,7 +45,7 @@ float brightest_inside(const LitScene& scene, Lighting lighting, int samples) {
     return most;
 }
 
-TEST(SealedBox, NoLightComesThroughWallsOfOneTwoAndFourVoxels) {
+TEST(SealedBoxSlow, NoLightComesThroughWallsOfOneTwoAndFourVoxels) {
     for (const double degrees : {0.0, 17.0, 45.0})
         for (const double thick : {1.0, 2.0, 4.0}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, " + std::to_string(thick));
@@ -78,7 +78,7 @@ TEST(SealedBox, WallsOfHalfACellLetLittleThrough) {
     }
 }
 
-TEST(WhiteFurnace, AWhiteBallCannotBeSeen) {
+TEST(WhiteFurnaceSlow, AWhiteBallCannotBeSeen) {
     const Dag dag = test::dag_of_distance(
         6, [](const dvec3& p) { return glm::length(p - 32.0) - 20.0; });
     LitScene scene = scene_of(dag, grey(dag, 6, 255), Sky::constant(vec3(1.0f)));
@@ -103,7 +103,7 @@ TEST(WhiteFurnace, AClosedRoomThatShinesHasTheSumOfTheSeries) {
     EXPECT_NEAR(mean_green(render_lit(scene, Lighting::cached, options)), all, 0.01 * all);
 }
 
-TEST(EmissionAlone, LightsARoomAsPathsDo) {
+TEST(EmissionAloneSlow, LightsARoomAsPathsDo) {
     const Dag dag = test::sealed_box(6, 20.3, 17.0, 1.0);
     const auto lamp = [](const uvec3& v) {
         return v.y > 50 && glm::length(dvec3(v) - dvec3(32, v.y, 32)) < 5.0 ? 20.0f : 0.0f;
@@ -151,7 +151,7 @@ double most_where_dark(const Image& picture, const Image& reference, float allow
 /// All but black, so that what bounces is below a two hundredth.
 constexpr std::uint8_t kDark = 13;
 
-TEST(DoorAjar, LightsNothingThatPathsDoNot) {
+TEST(DoorAjarSlow, LightsNothingThatPathsDoNot) {
     // Two rooms, a wall of one voxel between them with a gap of three, a lamp in the first.
     const Dag dag = test::dag_of_voxels(6, [](const dvec3& p) {
         const bool box = std::max({std::abs(p.x - 32.0), std::abs(p.z - 32.0),
