@@ -12,15 +12,23 @@ find_package(hwy REQUIRED)       # SIMD with run-time dispatch, for the voxel ov
 find_package(ZLIB REQUIRED)      # gzipped meshes
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)  # checksums of file sections
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compressed sections
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)        # what a build spills to its scratch folder
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
 find_package(PNG REQUIRED)       # pictures, and the textures of scenes
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)  # textures of scenes
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
 
+# Optional: builds by many machines together (packages libopenmpi-dev, openmpi-bin).
+set(MPI_CXX_SKIP_MPICXX ON)
+find_package(MPI QUIET COMPONENTS CXX)
+
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments
     find_package(fmt REQUIRED)    # tables: g++ 12 has no std::format
+    # Optional: the server of `octavo view`, and the pictures that it sends.
+    pkg_check_modules(HTTPLIB IMPORTED_TARGET cpp-httplib)
+    pkg_check_modules(TURBOJPEG IMPORTED_TARGET libturbojpeg)
 endif()
 if(OCTAVO_BUILD_TESTS)
     find_package(GTest REQUIRED)

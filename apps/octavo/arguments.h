@@ -45,6 +45,9 @@ struct RayArgument {
 /// "1280x720", each 1 to 65536
 [[nodiscard]] uvec2 parse_size(const std::string& text);
 
+inline constexpr const char* kTrustedHelp =
+    "Map the file and check nothing: only for files that you wrote";
+
 /// A validator for numbers in a range, which does not show in the help.
 template <typename Number>
 [[nodiscard]] CLI::Validator within(Number low, Number high) {

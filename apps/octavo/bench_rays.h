@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "bench_triangles.h"
 #include "octavo/io/model.h"
 #include "octavo/trace/dag_view.h"
+#include "triangle_tracer.h"
 
 namespace octavo::cli {
 

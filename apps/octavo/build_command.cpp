@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -7,14 +8,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "arguments.h"
 #include "commands.h"
 #include "help.h"
 #include "interrupt.h"
+#include "machines.h"
 #include "octavo/attributes/build_attributes.h"
 #include "octavo/construct/build.h"
 #include "octavo/construct/estimate.h"
+#include "octavo/construct/scratch.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
@@ -30,6 +34,8 @@ namespace {
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
+    "  octavo build sample:city -o city.octv --resolution 32K --max-memory 2G\n"
+    "  mpirun -n 4 octavo build scene.glb -o scene.octv --resolution 16K\n"
     "  octavo build scene.glb -o scene.octv --resolution 8K --attributes color,emission\n"
     "  octavo build tile.ply -o tile.octv --resolution 8K --origin 5.7e6,0,0 --voxel-size 0.01\n";
 
@@ -110,8 +116,13 @@ void choose_attributes(BuildArguments& arguments) {
                     "--attribute-resolution: it cannot be above the --resolution");
 }
 
+Scene import_scene(const std::string& input) {
+    const EndAtOnce importing;
+    return read_scene(input);
+}
+
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
-                        const BuildTimes& times) {
+                        const BuildTimes& times, const Machines& machines) {
     if (arguments.json) {
         const int threads =
             arguments.options.threads > 0 ? arguments.options.threads : available_threads();
@@ -122,7 +133,9 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
                          {"write_seconds", times.write_seconds},
                          {"total_seconds", times.total()},
                          {"threads", threads},
-                         {"peak_rss_bytes", peak_resident_bytes()}};
+                         {"peak_rss_bytes", peak_resident_bytes()},
+                         {"ranks", machines.count()},
+                         {"sent_bytes", machines.sent_bytes()}};
         return json.dump(2) + "\n";
     }
     return fmt::format(
@@ -134,6 +147,26 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
 }
 
+std::string estimate_text(const Estimate& estimate, std::uint64_t cap) {
+    std::string text = fmt::format("about {:.0f} s, {} MB of memory, a file of {} MB",
+                                   estimate.seconds, grouped(estimate.peak_bytes / 1'000'000),
+                                   grouped(estimate.dag_bytes / 1'000'000));
+    if (cap != 0 && estimate.peak_bytes > cap && estimate.least_bytes <= cap)
+        text += fmt::format("; {} MB are allowed, and up to {} MB spill to disk",
+                            grouped(cap / 1'000'000), grouped(estimate.scratch_bytes / 1'000'000));
+    return text;
+}
+
+std::string estimate_json(const Estimate& estimate) {
+    return Json{{"phase", "estimated"},
+                {"seconds_left", estimate.seconds},
+                {"peak_bytes", estimate.peak_bytes},
+                {"least_bytes", estimate.least_bytes},
+                {"scratch_bytes", estimate.scratch_bytes},
+                {"dag_bytes", estimate.dag_bytes}}
+        .dump();
+}
+
 /// Says what a long build will take, and refuses one that the cap cannot hold.
 void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
@@ -143,28 +176,48 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     const Estimate estimate = estimate_build(scene, options);
     meter.finish();
     if (!arguments.quiet)
-        fmt::print(stderr, "about {:.0f} s, {} MB of memory, a file of {} MB\n", estimate.seconds,
-                   grouped(estimate.peak_bytes / 1'000'000),
-                   grouped(estimate.dag_bytes / 1'000'000));
+        fmt::print(stderr, "{}\n",
+                   arguments.json ? estimate_json(estimate)
+                                  : estimate_text(estimate, options.max_memory_bytes));
     require_memory(estimate, options.max_memory_bytes);
 }
 
-void run_build(BuildArguments& arguments) {
-    check_output(arguments.output, arguments.force);
+/// Large blocks come from the system one by one and go back to it at once, so that what is given
+/// back is not counted; by default glibc begins to keep blocks of up to 32 MiB.
+void return_freed_memory() {
+    constexpr int kLeastBlock = 256 << 10;
+    mallopt(M_MMAP_THRESHOLD, kLeastBlock);
+}
+
+std::filesystem::path scratch_of(const BuildArguments& arguments) {
+    const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
+    std::filesystem::path scratch = arguments.scratch.empty() ? beside : arguments.scratch;
+    scratch /= arguments.output.filename();
+    scratch += ".scratch";
+    return scratch;
+}
+
+void build_file(BuildArguments& arguments, Machines& machines) {
+    if (machines.is_first()) {
+        check_output(arguments.output, arguments.force);
+    } else {
+        arguments.quiet = true;
+    }
     BuildOptions& options = arguments.options;
+    if (options.max_memory_bytes != 0) return_freed_memory();
     if (arguments.origin)
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,
                             .depth = options.depth};
-
-    const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
-    options.journal = arguments.scratch.empty() ? beside : arguments.scratch;
-    options.journal /= arguments.output.filename();
-    options.journal += ".journal";
+    options.scratch = scratch_of(arguments);
+    options.keep_scratch = true;  // until the file is written
     options.journal_interval =
         std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
 
-    ProgressMeter meter(arguments.quiet);
+    using Style = ProgressMeter::Style;
+    ProgressMeter meter(arguments.quiet  ? Style::quiet
+                        : arguments.json ? Style::json
+                                         : Style::people);
     options.progress = meter.function();
     choose_attributes(arguments);
     const bool with_attributes = !arguments.attribute_names.empty();
@@ -172,36 +225,41 @@ void run_build(BuildArguments& arguments) {
     Stopwatch watch;
 
     meter.begin_phase("import");
-    Model model;
-    {
-        Scene scene = read_scene(arguments.input);
-        with_threads(options.threads, [&] {
-            decode_textures(scene,
-                            with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
-        });
-        times.import_seconds = watch.lap();
-        throw_if_interrupted();
-        meter.finish();
-        for (const std::string& warning : scene.warnings)
-            if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
-        announce_estimate(scene, arguments, meter);
-        watch.lap();
-        model =
-            make_model(source_name(arguments.input), scene, options.rule, build(scene, options));
-        times.construct_seconds = watch.lap();
-        if (with_attributes) {
-            model.attributes =
-                build_attributes(scene, model.dag, model.grid(), arguments.attributes);
-            times.attribute_seconds = watch.lap();
-        }
+    Scene scene = import_scene(arguments.input);
+    with_threads(options.threads, [&] {
+        decode_textures(scene, with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
+    });
+    times.import_seconds = watch.lap();
+    throw_if_interrupted();
+    meter.finish();
+    for (const std::string& warning : scene.warnings)
+        if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
+    if (machines.is_first()) announce_estimate(scene, arguments, meter);
+    watch.lap();
+    // Attributes look at the triangles once more.
+    BuildResult built = with_attributes ? machines.build(scene, options)
+                                        : machines.build_and_release(scene, options);
+    if (!machines.is_first()) return;
+    Model model = make_model(source_name(arguments.input), scene, options.rule, std::move(built));
+    times.construct_seconds = watch.lap();
+    if (with_attributes) {
+        model.attributes = build_attributes(scene, model.dag, model.grid(), arguments.attributes);
+        times.attribute_seconds = watch.lap();
     }
+    scene = {};
     write_octv(arguments.output, model,
                {.compress = arguments.compress, .progress = meter.function()});
+    delete_scratch(options.scratch);
     times.write_seconds = watch.lap();
 
     const OctvSummary summary = read_octv_summary(arguments.output);
     meter.finish();
-    if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times));
+    if (arguments.json || !arguments.quiet) print(report_text(arguments, summary, times, machines));
+}
+
+void run_build(BuildArguments& arguments) {
+    Machines machines;
+    machines.run([&] { build_file(arguments, machines); });
 }
 
 }  // namespace
@@ -249,22 +307,26 @@ void add_build_command(CLI::App& program) {
     command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
-               "Memory that the program may take, like 8G", "SIZE");
+               "Memory that the program may take, like 8G; what has no room spills to disk",
+               "SIZE");
     command
         .add_option("--scratch", arguments->scratch,
-                    "Folder for the journal from which a stopped build goes on; that of FILE")
+                    "Where to make the folder FILE.scratch, for what a stopped build goes on from "
+                    "and what --max-memory leaves no room for; beside FILE")
         ->type_name("DIR")
         ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
     command
         .add_option("--journal-seconds", arguments->journal_seconds,
-                    "How long a build works between entries of its journal, 5")
+                    "How long a build works between two writes of what it has done, 5")
         ->type_name("S")
         ->check(within(0.0, 1e6));
     command.add_flag("--compress", arguments->compress,
                      "Compress the DAG: a smaller file that takes longer to open");
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
-    command.add_flag("--json", arguments->json, "Print the statistics as JSON");
+    command.add_flag("--json", arguments->json,
+                     "Print the statistics as JSON, and progress as a line of JSON a second on "
+                     "standard error: phase, seconds, done, total, voxels, seconds_left");
     command.callback([arguments] { run_build(*arguments); });
 }
 

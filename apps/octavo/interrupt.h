@@ -16,4 +16,14 @@ void catch_interrupts();
 /// @throws Error cancelled where a signal has come
 void throw_if_interrupted();
 
+/// While there is one, an interrupt ends the program there and then: for work that cannot be asked
+/// to stop and leaves nothing behind.
+class EndAtOnce {
+public:
+    EndAtOnce();
+    ~EndAtOnce();
+    EndAtOnce(const EndAtOnce&) = delete;
+    EndAtOnce& operator=(const EndAtOnce&) = delete;
+};
+
 }  // namespace octavo::cli

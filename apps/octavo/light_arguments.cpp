@@ -14,7 +14,6 @@ namespace octavo::cli {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr float kBrightestSun = 10.0f;
 constexpr std::array<std::string_view, 5> kKinds = {"sun", "point", "spot", "disc", "rectangle"};
 constexpr double kSpotAngle = 30.0 * kRadiansPerDegree;
 
@@ -198,10 +197,10 @@ std::vector<Light> balanced(std::vector<Light> lights, const Box& lit) {
         }
         sum += static_cast<double>(brightest(light.intensity)) * reach(light, lit);
     }
-    const bool as_it_is = brightest_sun > 0.0f && brightest_sun <= kBrightestSun;
-    if (as_it_is || !(sum > 0.0)) return lights;
-    for (Light& light : lights)
-        light.intensity *= static_cast<float>(static_cast<double>(default_brightness()) / sum);
+    const double wanted = static_cast<double>(default_brightness());
+    const double found = brightest_sun > 0.0f ? std::max(wanted, double{brightest_sun}) : sum;
+    if (!(found > 0.0)) return lights;
+    for (Light& light : lights) light.intensity *= static_cast<float>(wanted / found);
     return lights;
 }
 

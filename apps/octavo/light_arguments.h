@@ -49,9 +49,9 @@ struct LightArgument {
                                                const std::vector<Light>& of_file, const Box& lit);
 
 /// The file's lights, as bright as they should be: files measure light in lux, candela, watts or
-/// nothing at all, and the sky here has none of these. With a sun of up to 10 they are taken as
-/// they are; otherwise all are scaled alike, so that together they are as bright in the middle of
-/// the scene as the default sun. Suns without a size get that of the default sun.
+/// nothing at all, and the sky here has none of these. All are scaled alike: the brightest sun down
+/// to the default sun's brightness; where there is no sun, so that together they are as bright in
+/// the middle of the scene as that. Suns without a size get that of the default sun.
 [[nodiscard]] std::vector<Light> balanced(std::vector<Light> of_file, const Box& lit);
 
 }  // namespace octavo::cli

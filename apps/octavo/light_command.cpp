@@ -64,7 +64,8 @@ void run_light(LightArguments& arguments) {
     arguments.options.progress = meter.function();
     const auto start = std::chrono::steady_clock::now();
     const LightReport report = light_cells(scene, arguments.options);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     model.light = scene.objects[0].light;
     model.metadata.light = LightSummary{arguments.options.bounces, scene.lights, arguments.sky};
     write_octv(in_place ? arguments.file : arguments.output, model,
@@ -111,8 +112,7 @@ void add_light_command(CLI::App& program) {
                     "with :power=FACTOR, a picture also with :turn=DEGREES")
         ->type_name("SKY");
     add_parsed(command, "--up", arguments->up, parse_vec3, "Which way is up; 0,1,0", "X,Y,Z");
-    command
-        .add_option("--bounces", arguments->options.bounces, "How often light is sent on; 2")
+    command.add_option("--bounces", arguments->options.bounces, "How often light is sent on; 2")
         ->type_name("N")
         ->check(within(0, LightOptions::kMostBounces));
     command

@@ -194,9 +194,8 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
             check_keys(camera, "/camera", {"eye", "at", "fov"});
             if (!camera.contains("eye") || !camera.contains("at"))
                 throw Error(Errc::bad_input, "/camera needs eye and at");
-            file.camera = {vector_of(camera["eye"], "/camera/eye"),
-                           vector_of(camera["at"], "/camera/at"),
-                           {}};
+            file.camera = {
+                vector_of(camera["eye"], "/camera/eye"), vector_of(camera["at"], "/camera/at"), {}};
             if (camera.contains("fov"))
                 file.camera->fov_degrees = number_of(camera["fov"], "/camera/fov");
         }

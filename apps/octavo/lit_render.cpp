@@ -40,13 +40,14 @@ LitInput read_scene(const std::filesystem::path& path, const LitArguments& argum
         first.attributes);
     const std::string sky = arguments.sky.value_or(file.sky.value_or("clear"));
     // A picture of the sky lies beside the scene, unless the command line names it.
-    const bool picture = !arguments.sky && file.sky &&
-                         (sky.find(".hdr") != std::string::npos || sky.find(".exr") != std::string::npos);
+    const bool picture =
+        !arguments.sky && file.sky &&
+        (sky.find(".hdr") != std::string::npos || sky.find(".exr") != std::string::npos);
     input.scene.sky = sky_of(picture ? (path.parent_path() / sky).string() : sky, up);
     if (file.camera)
-        input.camera = look_at(file.camera->eye, file.camera->at, up,
-                               file.camera->fov_degrees.value_or(kDefaultFovDegrees) *
-                                   kRadiansPerDegree);
+        input.camera =
+            look_at(file.camera->eye, file.camera->at, up,
+                    file.camera->fov_degrees.value_or(kDefaultFovDegrees) * kRadiansPerDegree);
     if (arguments.lighting != Lighting::reference) light_cells(input.scene, arguments.light);
     return input;
 }

@@ -6,46 +6,33 @@
 #include <string>
 
 #include "commands.h"
+#include "exit_code.h"
 #include "help.h"
-#include "interrupt.h"
-#include "octavo/core/error.h"
 #include "octavo/core/version.h"
 #include "output.h"
 
 namespace octavo::cli {
 namespace {
 
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
-constexpr int kBadInput = 3;
-constexpr int kLimit = 4;
-
-int exit_code(Errc code) {
-    switch (code) {
-        case Errc::bad_argument:
-            return kUsage;
-        case Errc::bad_input:
-        case Errc::unsupported:
-            return kBadInput;
-        case Errc::limit:
-            return kLimit;
-        case Errc::cancelled:
-            return interrupted_exit_code();
-        case Errc::io:
-            break;
+/// On one line, whatever a file name holds.
+std::string one_line(const std::string& text) {
+    std::string line;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
     }
-    return kFailed;
+    return line;
 }
 
 int fail(int code, const std::string& message) {
-    fmt::print(stderr, "octavo: {}\n", message);
+    fmt::print(stderr, "octavo: {}\n", one_line(message));
     return code;
 }
 
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
     "  octavo info scene.octv --levels\n"
+    "  octavo view scene.octv\n"
     "  octavo render scene.octv -o scene.png\n"
     "  octavo sample courtyard -o courtyard.glb\n";
 
@@ -66,8 +53,11 @@ int run(int argc, char** argv) {
     add_build_command(program);
     add_info_command(program);
     add_light_command(program);
+    add_view_command(program);
     add_render_command(program);
+    add_export_command(program);
     add_query_command(program);
+    add_validate_command(program);
     add_sample_command(program);
     add_bench_command(program);
 
@@ -93,12 +83,11 @@ int main(int argc, char** argv) {
     using namespace octavo::cli;
     try {
         secure_standard_streams();
+        report_full_disks();
         return run(argc, argv);
-    } catch (const octavo::Error& error) {
-        return fail(exit_code(error.code()), error.what());
-    } catch (const std::bad_alloc&) {
-        return fail(kLimit, "out of memory");
+    } catch (const std::bad_alloc& error) {
+        return fail(exit_code(error), "out of memory");
     } catch (const std::exception& error) {
-        return fail(kFailed, error.what());
+        return fail(exit_code(error), error.what());
     }
 }

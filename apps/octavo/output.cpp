@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 
 #include "octavo/core/error.h"
@@ -18,6 +19,11 @@ void secure_standard_streams() {
         const int opened = open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
         if (opened < 0) throw io_error("/dev/null", "open");
     }
+}
+
+void report_full_disks() {
+    // By default a write beyond the limit on file sizes ends the program without a word.
+    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 void print(std::string_view text) {

@@ -10,6 +10,9 @@ namespace octavo::cli {
 /// their number. Writing to a standard output that was closed fails afterwards.
 void secure_standard_streams();
 
+/// Makes a write that the system's limits do not allow an error like that of a full disk.
+void report_full_disks();
+
 /// Writes data to standard output, all of it.
 /// @throws Error io  where it is closed or its disk is full
 void print(std::string_view text);

@@ -18,6 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kBarInterval = 100ms;
 constexpr auto kLineInterval = 10s;
+constexpr auto kJsonInterval = 1s;
 constexpr int kBarWidth = 24;
 
 std::string bar(double fraction) {
@@ -44,8 +45,10 @@ std::string details(const Progress& progress, double fraction, double seconds) {
 
 }  // namespace
 
-ProgressMeter::ProgressMeter(bool quiet)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), phase_began_(Clock::now()) {
+ProgressMeter::ProgressMeter(Style style)
+    : style_(style),
+      terminal_(style == Style::people && isatty(STDERR_FILENO) == 1),
+      phase_began_(Clock::now()) {
     catch_interrupts();
 }
 
@@ -63,7 +66,7 @@ void ProgressMeter::begin_phase(const std::string& phase) {
 
 bool ProgressMeter::update(const Progress& progress) {
     if (interrupted()) return false;
-    if (quiet_) return true;
+    if (style_ == Style::quiet) return true;
     const Clock::time_point now = Clock::now();
     const bool new_phase = phase_ != progress.phase;
     if (new_phase) {
@@ -71,9 +74,18 @@ bool ProgressMeter::update(const Progress& progress) {
         phase_ = progress.phase;
         phase_began_ = now;
     }
-    const Clock::duration interval = terminal_ ? Clock::duration(kBarInterval) : kLineInterval;
-    if (new_phase || now - shown_ >= interval) {
-        show(progress, std::chrono::duration<double>(now - phase_began_).count());
+    const bool json = style_ == Style::json;
+    const Clock::duration interval = json        ? Clock::duration(kJsonInterval)
+                                     : terminal_ ? Clock::duration(kBarInterval)
+                                                 : kLineInterval;
+    const bool at_end = json && progress.total > 0 && progress.done == progress.total;
+    if (new_phase || at_end || now - shown_ >= interval) {
+        const double seconds = std::chrono::duration<double>(now - phase_began_).count();
+        if (json) {
+            show_json(progress, seconds);
+        } else {
+            show(progress, seconds);
+        }
         shown_ = now;
     }
     return true;
@@ -95,6 +107,25 @@ void ProgressMeter::show(const Progress& progress, double seconds) {
     } else {
         fmt::print(stderr, "{}{}\n", phase_, seconds > 0.0 ? percent + more : "");
     }
+    std::fflush(stderr);
+}
+
+void ProgressMeter::show_json(const Progress& progress, double seconds) {
+    Json line = {{"phase", phase_}, {"seconds", seconds}};
+    if (progress.total > 0) {
+        line["done"] = progress.done;
+        line["total"] = progress.total;
+    }
+    if (progress.voxels > 0) {
+        line["voxels"] = progress.voxels;
+        if (seconds > 0.0)
+            line["voxels_per_second"] = static_cast<double>(progress.voxels) / seconds;
+    }
+    if (progress.total > 0 && progress.done > 0)
+        line["seconds_left"] =
+            seconds / static_cast<double>(progress.done) *
+            static_cast<double>(progress.total - std::min(progress.total, progress.done));
+    fmt::print(stderr, "{}\n", line.dump());
     std::fflush(stderr);
 }
 

@@ -8,12 +8,20 @@
 
 namespace octavo::cli {
 
-/// Shows how far work has come: a bar on standard error where that is a terminal, else a line when
-/// a phase begins and one every so often. Also where work learns of an interrupt.
+/// Shows on standard error how far work has come: a bar where that is a terminal, else a line when
+/// a phase begins and one every so often; or for programs an object of JSON in each line. Also
+/// where work learns of an interrupt.
 class ProgressMeter {
 public:
-    /// @param quiet  shows nothing, and still reports interrupts
-    explicit ProgressMeter(bool quiet);
+    enum class Style {
+        quiet,   // nothing; interrupts are still reported
+        people,  // a bar, or lines of text
+        json,    // lines with the keys phase, seconds, done, total, voxels, voxels_per_second and
+                 // seconds_left, of which those that are not known are left out: when a phase
+                 // begins, every second, and when it has come to its end
+    };
+    explicit ProgressMeter(Style style);
+    explicit ProgressMeter(bool quiet) : ProgressMeter(quiet ? Style::quiet : Style::people) {}
     ~ProgressMeter();
     ProgressMeter(const ProgressMeter&) = delete;
     ProgressMeter& operator=(const ProgressMeter&) = delete;
@@ -32,9 +40,10 @@ private:
 
     bool update(const Progress& progress);
     void show(const Progress& progress, double seconds);
+    void show_json(const Progress& progress, double seconds);
     void clear_bar();
 
-    bool quiet_;
+    Style style_;
     bool terminal_;
     bool bar_shown_ = false;
     std::string phase_;

@@ -22,6 +22,7 @@ constexpr const char* kExamples =
 
 struct QueryArguments {
     std::filesystem::path file;
+    bool trusted = false;
     std::optional<dvec3> point;
     std::optional<RayArgument> ray;
     bool json = false;
@@ -116,7 +117,7 @@ std::string answer_ray(const Model& model, const RayArgument& ray, bool json) {
 }
 
 void run_query(const QueryArguments& arguments) {
-    const Model model = read_octv(arguments.file);
+    const Model model = read_octv(arguments.file, {.trusted = arguments.trusted});
     print(arguments.point ? answer_point(model, *arguments.point, arguments.json)
                           : answer_ray(model, *arguments.ray, arguments.json));
 }
@@ -129,6 +130,7 @@ void add_query_command(CLI::App& program) {
     const auto arguments = std::make_shared<QueryArguments>();
     set_help(command, kExamples);
     command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     CLI::Option_group& question =
         *command.add_option_group("Question", "One of these; world space");
     add_parsed(question, "--point", arguments->point, parse_vec3, "Is this point in a voxel?",

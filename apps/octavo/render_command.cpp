@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -20,6 +21,8 @@
 #include "octavo/render/render.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "scene_input.h"
+#include "triangle_tracer.h"
 
 namespace octavo::cli {
 namespace {
@@ -28,6 +31,7 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo render scene.octv -o view.exr --size 1920x1080 --eye 4,2,6 --at 0,1,0 --fov 50\n"
     "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
+    "  octavo render scene.glb --primary mesh --dag scene.octv -o hybrid.png\n"
     "  octavo render scene.octv -o lit.png --gi\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
@@ -37,6 +41,7 @@ constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
     std::filesystem::path file;
+    bool trusted = false;
     std::filesystem::path output;
     RenderOptions options;
     uvec2 size{1280, 720};
@@ -48,12 +53,14 @@ struct RenderArguments {
     bool samples_given = false;
     std::optional<std::array<double, 2>> sun;
     std::vector<std::string> lights;
-    std::string gi;          // "", "gathered" or "cached"
+    std::string gi;  // "", "gathered" or "cached"
     bool reference = false;
     std::optional<std::string> sky;
     int bounces = LightOptions{}.bounces;
     double exposure = 0.0;
     bool flat_normals = false;
+    bool primary_mesh = false;
+    std::filesystem::path dag;
     bool no_color = false;
     bool force = false;
     bool quiet = false;
@@ -64,6 +71,26 @@ Shadows parse_shadows(const std::string& text) {
     if (text == "hard") return Shadows::hard;
     if (text == "soft") return Shadows::soft;
     throw Error(Errc::bad_argument, "'" + text + "' is not none, hard or soft");
+}
+
+bool parse_primary(const std::string& text) {
+    if (text == "voxels") return false;
+    if (text == "mesh") return true;
+    throw Error(Errc::bad_argument, "'" + text + "' is not voxels or mesh");
+}
+
+/// Primary rays to the triangles of a scene.
+PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
+    return [triangles](std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+        std::vector<TriangleRay> some;
+        for (const Ray& ray : rays)
+            some.push_back(
+                {vec3(ray.origin), std::numeric_limits<float>::infinity(), vec3(ray.direction)});
+        std::vector<TriangleHit> found(rays.size());
+        triangles->closest(some, TriangleTracer::Width::sixteen, true, found);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = {static_cast<double>(found[i].t), found[i].normal};
+    };
 }
 
 void check_extension(const std::filesystem::path& file) {
@@ -127,9 +154,9 @@ void run_lit(RenderArguments& arguments) {
     if (arguments.no_color)
         throw Error(Errc::bad_argument, "--no-color: light that surfaces send on has their colour");
     LitArguments lit;
-    lit.lighting = arguments.reference          ? Lighting::reference
+    lit.lighting = arguments.reference        ? Lighting::reference
                    : arguments.gi == "cached" ? Lighting::cached
-                                                : Lighting::gathered;
+                                              : Lighting::gathered;
     lit.sun = arguments.sun;
     lit.lights = arguments.lights;
     lit.sky = arguments.sky;
@@ -158,8 +185,20 @@ void run_render(RenderArguments& arguments) {
     arguments.options.height = static_cast<int>(arguments.size.y);
     arguments.options.smooth_normals = !arguments.flat_normals;
     const bool scene_file = arguments.file.extension() == ".json";
-    if (!arguments.gi.empty() || arguments.reference || scene_file) return run_lit(arguments);
-    const Model model = read_octv(arguments.file);
+    if (!arguments.gi.empty() || arguments.reference || scene_file) {
+        if (arguments.primary_mesh)
+            throw Error(Errc::bad_argument, "--primary mesh goes without --gi and --reference");
+        return run_lit(arguments);
+    }
+    if (arguments.primary_mesh && arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--primary mesh needs --dag, the .octv file of the scene");
+    if (!arguments.primary_mesh && !arguments.dag.empty())
+        throw Error(Errc::bad_argument, "--dag goes with --primary mesh only");
+    const Model model = read_octv(arguments.primary_mesh ? arguments.dag : arguments.file,
+                                  {.trusted = arguments.trusted});
+    if (arguments.primary_mesh)
+        arguments.options.primary =
+            primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
 
     RenderOptions& options = arguments.options;
     if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
@@ -220,14 +259,23 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         ->check(within(0, 65536));
     command
         .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise a tenth of the scene")
+                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     command
-        .add_option("--sky", arguments.sky,
-                    "clear (the default), none, color:R,G,B, "
-                    "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
-                    "with :power=FACTOR, a picture also with :turn=DEGREES")
+        .add_option_function<double>(
+            "--ao-cone",
+            [&arguments](double degrees) {
+                arguments.options.ao_cone = degrees * kRadiansPerDegree;
+            },
+            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
+            "there is much detail; 0: never")
+        ->type_name("DEGREES")
+        ->check(within(0.0, 90.0));
+    .add_option("--sky", arguments.sky,
+                "clear (the default), none, color:R,G,B, "
+                "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
+                "with :power=FACTOR, a picture also with :turn=DEGREES")
         ->type_name("SKY");
     CLI::Option* gi =
         command
@@ -258,7 +306,13 @@ void add_render_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("render", "Ray-trace a picture of an .octv file");
     const auto arguments = std::make_shared<RenderArguments>();
     set_help(command, kExamples);
-    command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    command
+        .add_option("FILE", arguments->file,
+                    "An .octv file; with --primary mesh the scene that it was built from, or "
+                    "sample:NAME")
+        ->required()
+        ->type_name("");
+    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
     command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
         ->required()
         ->type_name("FILE");
@@ -268,6 +322,18 @@ void add_render_command(CLI::App& program) {
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")
         ->check(within(1, 65536));
+    add_parsed(command, "--primary", arguments->primary_mesh, parse_primary,
+               "What is seen: the voxels; or the triangles of a scene (mesh), to which the voxels "
+               "of --dag give shadow and ambient occlusion",
+               "voxels|mesh");
+    command.add_option("--dag", arguments->dag, "With --primary mesh: the scene's .octv file")
+        ->type_name("FILE");
+    command
+        .add_option("--bias", arguments->options.bias,
+                    "With --primary mesh: how far above the triangles rays start, 1; less shows "
+                    "acne, more leaves gaps")
+        ->type_name("FACTOR")
+        ->check(within(0.0, 1000.0));
     command.add_flag("--no-color", arguments->no_color,
                      "Clay, even where the file has colours and emission");
     command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
 
 #include "cli/run_command.h"
 
@@ -89,6 +93,80 @@ TEST(Build, RemembersTheNameOfTheSceneAndNotItsFolder) {
     const std::string content = file_content(folder / "a.octv");
     EXPECT_NE(content.find("yard.ply"), std::string::npos);
     EXPECT_EQ(content.find("deep"), std::string::npos);
+}
+
+/// Peak resident memory of a command, in bytes, as the system counted it.
+std::uint64_t peak_of(const std::filesystem::path& folder, const std::string& line) {
+    const Outcome outcome = run_shell(folder, line);
+    if (outcome.code != 0) {
+        ADD_FAILURE() << line << ": " << outcome.err;
+        return 0;
+    }
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST(BuildSlow, KeepsAMemoryCapThatItWouldPassAndGivesTheSameFile) {
+    const TemporaryFolder folder;
+    const std::string build = "octavo build sample:hairball -r 2K --threads 2 -q ";
+    // In this order: the system remembers the largest of all children.
+    for (const char* cap : {"160", "256"}) {
+        const std::uint64_t peak =
+            peak_of(folder.path(), build + "-o " + cap + ".octv --max-memory " + cap + "M");
+        EXPECT_LE(peak, std::stoull(cap) << 20) << cap;
+    }
+    EXPECT_EQ(folder.entries(), 2u) << "the scratch is still there";
+    EXPECT_GT(peak_of(folder.path(), build + "-o free.octv"), std::uint64_t{400} << 20);
+    EXPECT_EQ(run_shell(folder.path(), "cmp free.octv 160.octv && cmp free.octv 256.octv").code, 0);
+}
+
+TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        run_shell(folder.path(), "octavo build sample:courtyard -o a.octv -r 1K --max-memory 10M");
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_NE(outcome.err.find("--max-memory "), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Build, ADiskThatIsFullIsAnErrorThatSaysWhatIsNeededAndLeavesTheOldFile) {
+    const TemporaryFolder folder;
+    const std::string build = "octavo build sample:courtyard -f -q -o a.octv ";
+    ASSERT_EQ(run_shell(folder.path(), build + "-r 64").code, 0);
+    const std::string old = file_content(folder / "a.octv");
+    // A limit on file sizes, in kB, fails a write half-way as a full disk does.
+    for (const std::string options :
+         {"-r 512", "-r 512 --compress", "-r 512 --journal-seconds 0"}) {
+        const Outcome outcome = run_shell(folder.path(), "ulimit -f 60; " + build + options);
+        EXPECT_EQ(outcome.code, 1) << options;
+        EXPECT_NE(outcome.err.find("a.octv"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find(" bytes"), std::string::npos) << outcome.err;
+        EXPECT_TRUE(file_content(folder / "a.octv") == old) << options;
+        (void)run_shell(folder.path(), "rm -rf a.octv.scratch");
+        EXPECT_EQ(folder.entries(), 1u) << options;
+    }
+}
+
+TEST(Build, ProgressForProgramsIsAnObjectOfJsonInEachLine) {
+    const TemporaryFolder folder;
+    const Outcome built = run_shell(
+        folder.path(), "octavo build sample:courtyard -o a.octv -r 512 --json --max-memory 1G");
+    ASSERT_EQ(built.code, 0) << built.err;
+    std::istringstream lines(built.err);
+    std::vector<std::string> phases;
+    for (std::string line; std::getline(lines, line);) {
+        const Json json = Json::parse(line);
+        phases.push_back(json.at("phase"));
+        if (phases.back() == "voxelize" && json.at("done") == json.at("total")) {
+            EXPECT_GT(json.at("voxels"), 100'000);
+        }
+    }
+    for (const char* phase : {"import", "estimate", "estimated", "voxelize", "write"})
+        EXPECT_NE(std::ranges::find(phases, phase), phases.end()) << phase;
+    EXPECT_EQ(
+        run_shell(folder.path(), "octavo build sample:courtyard -f -o a.octv -r 64 --json -q").err,
+        "");
 }
 
 }  // namespace

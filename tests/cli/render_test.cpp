@@ -52,6 +52,32 @@ TEST(RenderLight, IsALampWhereThereIsNoSun) {
     EXPECT_TRUE(picture({kLamp}) != picture({lamp_at({-11, 1, 0}, 50.0f)}));
 }
 
+TEST(RenderAmbient, StopsAtAnAngleOnlyWhereItIsAskedFor) {
+    const TemporaryFolder folder;
+    const std::string render = "octavo render " + small_octv().string() + " --size 48x27 --ao 16 ";
+    ASSERT_EQ(run_shell(folder.path(), render + "-o a.png").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o b.png --ao-cone 0").code, 0);
+    ASSERT_EQ(run_shell(folder.path(), render + "-o c.png --ao-cone 30").code, 0);
+    EXPECT_TRUE(file_content(folder / "a.png") == file_content(folder / "b.png"));
+    EXPECT_TRUE(file_content(folder / "a.png") != file_content(folder / "c.png"));
+}
+
+TEST(RenderPrimary, ShowsTheTrianglesInTheVoxelsShadow) {
+    const TemporaryFolder folder;
+    write_octv(folder / "a.octv", read_octv(small_octv()));
+    const std::string mesh = "octavo render sample:courtyard -o mesh.png --size 96x54 --ao 16 ";
+    const Outcome outcome = run_shell(folder.path(), mesh + "--primary mesh --dag a.octv");
+    if (outcome.err.find("built without Embree") != std::string::npos)
+        GTEST_SKIP() << "no Embree (libembree-dev)";
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    ASSERT_EQ(
+        run_shell(folder.path(), "octavo render a.octv -o voxels.png --size 96x54 --ao 16").code,
+        0);
+    EXPECT_TRUE(file_content(folder / "mesh.png") != file_content(folder / "voxels.png"));
+    EXPECT_EQ(run_shell(folder.path(), mesh + "-f --primary mesh").code, 2);
+    EXPECT_EQ(run_shell(folder.path(), "octavo render a.octv -o b.png --dag a.octv").code, 2);
+}
+
 TEST(RenderLight, IsTheOneThatWasAskedFor) {
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") == picture({}, "--sun 30,40"));
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") != picture({kMorning}));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "octavo/construct/build.h"
+#include "octavo/construct/node_store.h"
 #include "octavo/core/morton.h"
 #include "octavo/dag/statistics.h"
 #include "octavo/voxelize/triangle_source.h"
@@ -169,6 +170,19 @@ TEST(Build, StopsAtTheMemoryCapAndSaysSo) {
         FAIL() << "it went on";
     } catch (const Error& e) {
         EXPECT_EQ(e.code(), Errc::limit);
+    }
+}
+
+TEST(LevelBegins, MoreThan2To32WordsAreRefusedAndNotWrapped) {
+    constexpr std::uint64_t kHalf = std::uint64_t{1} << 31;
+    const std::vector<std::uint64_t> fits = {9, kHalf - 9, kHalf};
+    EXPECT_EQ(level_begins(fits), (std::vector<std::uint64_t>{0, 9, kHalf, 2 * kHalf}));
+    try {
+        (void)level_begins(std::vector<std::uint64_t>{9, kHalf, kHalf});
+        FAIL() << "it was let through";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), Errc::limit);
+        EXPECT_NE(std::string(e.what()).find("4294967305 words"), std::string::npos) << e.what();
     }
 }
 

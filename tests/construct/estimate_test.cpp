@@ -41,20 +41,21 @@ TEST(Estimate, AnEmptyGridTakesNothingMuch) {
 }
 
 TEST(RequireMemory, RefusalNamesTheCapAndTheResolutionThatWouldDo) {
-    const Estimate estimate{.depth = 14,
+    const Estimate estimate{.depth = 16,
                             .seconds = 10,
-                            .dag_bytes = 1000 << 20,
-                            .peak_bytes = 1700 << 20,
+                            .dag_bytes = std::uint64_t{8000} << 20,
+                            .peak_bytes = std::uint64_t{13000} << 20,
+                            .least_bytes = std::uint64_t{900} << 20,
                             .growth = 4.0};
     EXPECT_NO_THROW(require_memory(estimate, 0));
-    EXPECT_NO_THROW(require_memory(estimate, 1800 << 20));
+    EXPECT_NO_THROW(require_memory(estimate, std::uint64_t{900} << 20));
     try {
-        require_memory(estimate, 600 << 20);
+        require_memory(estimate, std::uint64_t{400} << 20);
         FAIL() << "it was let through";
     } catch (const Error& e) {
         EXPECT_EQ(e.code(), Errc::limit);
-        EXPECT_NE(std::string(e.what()).find("--max-memory 1700M"), std::string::npos) << e.what();
-        EXPECT_NE(std::string(e.what()).find("resolution of 8192"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("--max-memory 900M"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("resolution of 32768"), std::string::npos) << e.what();
     }
 }
 

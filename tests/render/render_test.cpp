@@ -224,6 +224,32 @@ TEST(Render, LampsWithAnAreaGiveTheLightOfTheirIntegral) {
     }
 }
 
+/// Finds a wall y = 12.5 that hides the lower half of the grid, which is no voxels.
+void find_floor(std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const double t = (12.5 - rays[i].origin.y) / rays[i].direction.y;
+        if (t > 0.0) hits[i] = {t, vec3(0, -3, 0)};
+    }
+}
+
+TEST(Render, SurfaceOfTheCallerIsSeenInPlaceOfTheVoxels) {
+    RenderOptions options = small_picture();
+    options.camera = look_at({5, 17, 20}, {5, 12.5, 13}, {0, 1, 0}, 0.6);
+    options.samples = 1;
+    options.ao_radius = 3.0;
+    options.lights = {sun_at(0.0, 1.5707963)};
+    options.primary = find_floor;
+    const Image image = render(sphere_on_floor(), kGrid, options);
+    // The sphere is not seen, yet it shades what is below it, and the floor is nowhere dark beside.
+    const vec3 below = image.color[image.index(41, 22)];
+    const vec3 beside = image.color[image.index(2, 43)];
+    EXPECT_LT(below.x, 0.5f * beside.x);
+    EXPECT_NEAR(image.depth[image.index(41, 22)], std::sqrt(4.5 * 4.5 + 7.0 * 7.0), 0.01);
+    options.primary = [](std::span<const Ray>, std::span<SurfaceHit>) {};
+    for (const float depth : render(sphere_on_floor(), kGrid, options).depth)
+        ASSERT_EQ(depth, std::numeric_limits<float>::infinity());
+}
+
 TEST(Render, DepthIsWorldDistanceAlongTheView) {
     RenderOptions options = small_picture();
     options.samples = 1;

@@ -119,6 +119,51 @@ TEST(Visibility, NoLightLeaksThroughWhereAPlankMeetsTheFloor) {
     }
 }
 
+TEST(Visibility, BiasOfOneIsTheLeastWithoutAcneAndLeavesNoGap) {
+    // Walls of many slants with a plank on each: acne is shadow in front of it under a high sun,
+    // a gap is light behind it under a low one.
+    struct Fault {
+        double bias;
+        double acne = 0.0;  // part of the points
+        double gap = 0.0;   // voxels behind the plank's middle, at most
+    };
+    std::vector<Fault> faults = {{0.25}, {0.5}, {0.75}, {1.0}, {1.5}, {2.0}, {4.0}};
+    test::RandomRays random(11, 1);
+    constexpr int kWalls = 10;
+    for (int k = 0; k < kWalls; ++k) {
+        const Corner corner(random.direction(), true);
+        const BuildResult built = build_at(corner.scene, 9);
+        const double voxel = built.grid.voxel_size;
+        const Points front = points_on(corner, -1.0, -6.0 * voxel, 200, 21);
+        const Points behind = points_on(corner, 0.01 * voxel, 12.0 * voxel, 200, 22);
+        std::vector<float> shadow(200);
+        for (Fault& fault : faults) {
+            VisibilityOptions options{.ao_samples = 0, .bias = fault.bias};
+            options.light = sun_from(corner.normal - 1.5 * corner.across);
+            visibility(built.dag, built.grid, front.positions, front.normals, options, shadow, {});
+            for (const float seen : shadow) fault.acne += (1.0 - seen) / (200.0 * kWalls);
+            visibility(built.dag, built.grid, behind.positions, behind.normals, options, shadow,
+                       {});
+            for (std::size_t i = 0; i < shadow.size(); ++i)
+                if (shadow[i] > 0.0f)
+                    fault.gap =
+                        std::max(fault.gap, glm::dot(behind.positions[i], corner.across) / voxel);
+        }
+    }
+    for (const Fault& fault : faults) {
+        if (fault.bias < 0.6) {
+            EXPECT_GT(fault.acne, 0.0) << fault.bias;
+        } else if (fault.bias >= 1.0) {
+            EXPECT_EQ(fault.acne, 0.0) << fault.bias;
+        }
+        if (fault.bias <= 1.0) {
+            EXPECT_EQ(fault.gap, 0.0) << fault.bias;
+        }
+        // A point's lift is what a low sun may shine below, and no more.
+        EXPECT_LE(fault.gap, 1.5 * 1.75 * fault.bias) << fault.bias;
+    }
+}
+
 TEST(Visibility, CornerSeesWhatTheIntegralSays) {
     const Corner corner({0, 1, 0}, true);
     const BuildResult built = build_at(corner.scene, 11);

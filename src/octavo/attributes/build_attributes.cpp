@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/attributes/build_attributes.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -45,7 +46,6 @@ struct TilePart {
         PackedBlocks blocks;
     };
 
-    std::unique_ptr<TileAverager> averager;
     std::vector<BlockPacker> packers;
     std::size_t index = 0;
     CellRange range;
@@ -62,7 +62,10 @@ public:
           surfaces_(scene),
           tile_depth_(std::clamp(kTileDepth, options.level - kMostTilesDepth, options.level)),
           triangles_(scene, grid_of_cells(grid, options.level), VoxelRule::conservative,
-                     tile_depth_) {
+                     tile_depth_),
+          averagers_([this] {
+              return TileAverager(cells_, triangles_.mesh(), surfaces_, options_, tile_depth_);
+          }) {
         wanted_[static_cast<unsigned>(Channel::color)] = options.color;
         wanted_[static_cast<unsigned>(Channel::emission)] =
             options.emission && surfaces_.greatest_emission() > 0.0f;
@@ -131,8 +134,6 @@ private:
         std::vector<std::unique_ptr<TilePart>> places(in_flight);
         for (auto& part : places) {
             part = std::make_unique<TilePart>();
-            part->averager = std::make_unique<TileAverager>(cells_, triangles_.mesh(), surfaces_,
-                                                            options_, tile_depth_);
             for (std::size_t c = 0; c < kChannels; ++c)
                 part->packers.emplace_back(
                     Attributes::kValueBits[c],
@@ -160,9 +161,9 @@ private:
                 tbb::make_filter<TilePart*, void>(tbb::filter_mode::serial_in_order, collect));
     }
 
-    void average(TilePart& part) const {
+    void average(TilePart& part) {
         const Tile& tile = tiles_[part.index];
-        part.averager->average(tile.place, tile.range, triangles_in(tile.place), part.values);
+        averagers_.local().average(tile.place, tile.range, triangles_in(tile.place), part.values);
         constexpr std::uint64_t kBlock = CellValues::kBlockCells;
         const std::uint64_t size = tile.range.size();
         const std::uint64_t before = std::min(size, (kBlock - tile.range.begin % kBlock) % kBlock);
@@ -227,6 +228,8 @@ private:
     std::array<bool, kChannels> wanted_{};
     std::array<bool, kChannels> any_{};
     std::vector<CellValuesWriter> writers_;
+    // For each thread, as its scratch memory is then in that core's cache.
+    tbb::enumerable_thread_specific<TileAverager> averagers_;
 };
 
 }  // namespace

@@ -64,6 +64,13 @@ public:
     /// visited by different threads. Cost: that of cell(range.begin), and the cells themselves.
     template <class Visit>
     void for_each(CellRange range, const Visit& visit) const {
+        for_each_code(range, [&](std::uint64_t index, std::uint64_t code) {
+            visit(index, morton_decode(code));
+        });
+    }
+    /// The same with the cell's Morton code.
+    template <class Visit>
+    void for_each_code(CellRange range, const Visit& visit) const {
         if (range.begin < range.end && !dag_.empty()) visit_node(0, 0, 0, 0, range, visit);
     }
 
@@ -92,8 +99,7 @@ private:
             const int bits = 3 * (level_ - bottom_);
             for (std::uint64_t cells = bottom_mask(node); cells != 0; cells &= cells - 1, ++first)
                 if (first >= range.begin && first < range.end)
-                    visit(first, morton_decode(code << bits |
-                                               static_cast<unsigned>(std::countr_zero(cells))));
+                    visit(first, code << bits | static_cast<unsigned>(std::countr_zero(cells)));
             return;
         }
         std::uint32_t children = dag_.words()[node] & kChildMaskBits;

@@ -37,7 +37,7 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 [[nodiscard]] vec3 unpack_rgb9e5(std::uint32_t value);
 
 /// A direction as the octahedron unfolded into a square of 4096 x 4096 points (Meyer et al. 2010,
-/// "On Floating-Point Normal Vectors"): within 0.04 degrees. 24 bits; x lowest.
+/// "On Floating-Point Normal Vectors"): within a tenth of a degree. 24 bits; x lowest.
 [[nodiscard]] std::uint32_t pack_normal(const vec3& direction);
 /// @return unit length
 [[nodiscard]] vec3 unpack_normal(std::uint32_t value);

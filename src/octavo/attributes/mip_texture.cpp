@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "octavo/attributes/encodings.h"
 
@@ -25,13 +26,42 @@ struct Pair {
     int first, second;
     float part;
 };
-Pair pair_at(double coordinate, int size, Texture::Wrap wrap) {
+inline Pair pair_at(double coordinate, int size, Texture::Wrap wrap) {
+    const double place = coordinate * size - 0.5;
+    if (wrap == Texture::Wrap::repeat && (size & (size - 1)) == 0 && std::abs(place) < 1e9) {
+        auto i = static_cast<int>(place);  // as nearly all textures are
+        if (i > place) --i;
+        return {i & (size - 1), (i + 1) & (size - 1), static_cast<float>(place - i)};
+    }
     // Further out than this all digits are before the point, and so is every wrap.
     constexpr double kFar = 1e12;
-    const double texel = std::clamp(coordinate * size - 0.5, -kFar, kFar);
-    const double floor = std::floor(texel);
-    const auto i = static_cast<std::int64_t>(floor);
-    return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap), static_cast<float>(texel - floor)};
+    const double texel = std::clamp(place, -kFar, kFar);
+    auto i = static_cast<std::int64_t>(texel);
+    if (static_cast<double>(i) > texel) --i;
+    return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap),
+            static_cast<float>(texel - static_cast<double>(i))};
+}
+
+// Four channels at once; every compiler that we build with has these.
+typedef std::uint16_t Four16 __attribute__((vector_size(8)));
+typedef float Four __attribute__((vector_size(16)));
+
+inline Four channels(const std::array<std::uint16_t, 4>& texel) {
+    Four16 bits;
+    std::memcpy(&bits, texel.data(), sizeof bits);
+    return __builtin_convertvector(bits, Four);
+}
+
+/// Sides are even.
+void halve(const std::vector<std::array<std::uint16_t, 4>>& fine, int width,
+           std::vector<std::array<std::uint16_t, 4>>& coarse) {
+    const auto row = static_cast<std::size_t>(width), half = row / 2;
+    for (std::size_t i = 0; i < coarse.size(); ++i) {
+        const auto* p = &fine[i / half * 2 * row + i % half * 2];
+        for (std::size_t c = 0; c < 4; ++c)
+            coarse[i][c] =
+                static_cast<std::uint16_t>((p[0][c] + p[1][c] + p[row][c] + p[row + 1][c] + 2) / 4);
+    }
 }
 
 }  // namespace
@@ -55,6 +85,11 @@ MipTexture::MipTexture(const Texture& texture, int least_alpha)
         Level coarse{std::max(1, fine.width / 2), std::max(1, fine.height / 2), {}};
         coarse.texels.resize(static_cast<std::size_t>(coarse.width) *
                              static_cast<std::size_t>(coarse.height));
+        if (fine.width % 2 == 0 && fine.height % 2 == 0) {
+            halve(fine.texels, fine.width, coarse.texels);
+            levels_.push_back(std::move(coarse));
+            continue;
+        }
         // Where a side is odd, a coarse texel covers two fine ones and parts of a third.
         const double along_x = static_cast<double>(fine.width) / coarse.width;
         const double along_y = static_cast<double>(fine.height) / coarse.height;
@@ -89,24 +124,17 @@ vec4 MipTexture::between_texels(const glm::dvec2& coordinate, const Level& level
     const Pair v = pair_at(coordinate.y, level.height, wrap_v_);
     const Texel* upper = level.texels.data() + static_cast<std::ptrdiff_t>(v.first) * level.width;
     const Texel* lower = level.texels.data() + static_cast<std::ptrdiff_t>(v.second) * level.width;
-    vec4 color;
-    for (int c = 0; c < 4; ++c) {
-        const auto k = static_cast<std::size_t>(c);
-        const auto mix = [&](float a, float b, float part) { return a + (b - a) * part; };
-        color[c] = mix(mix(upper[u.first][k], upper[u.second][k], u.part),
-                       mix(lower[u.first][k], lower[u.second][k], u.part), v.part);
-    }
-    return color * (1.0f / 65535.0f);
+    const Four left =
+        channels(upper[u.first]) * (1.0f - v.part) + channels(lower[u.first]) * v.part;
+    const Four right =
+        channels(upper[u.second]) * (1.0f - v.part) + channels(lower[u.second]) * v.part;
+    const Four color = (left * (1.0f - u.part) + right * u.part) * (1.0f / 65535.0f);
+    return {color[0], color[1], color[2], color[3]};
 }
 
-vec4 MipTexture::sample(const glm::dvec2& coordinate, float level) const {
-    const float last = static_cast<float>(levels_.size() - 1);
-    const float at = level > 0.0f ? std::min(level, last) : 0.0f;
-    const auto fine = static_cast<std::size_t>(at);
-    const float part = at - static_cast<float>(fine);
-    const vec4 color = between_texels(coordinate, levels_[fine]);
-    if (part == 0.0f) return color;
-    return glm::mix(color, between_texels(coordinate, levels_[fine + 1]), part);
+vec4 MipTexture::sample(const glm::dvec2& coordinate, int level) const {
+    const int last = static_cast<int>(levels_.size()) - 1;
+    return between_texels(coordinate, levels_[static_cast<unsigned>(std::clamp(level, 0, last))]);
 }
 
 vec3 MipTexture::color_around(const glm::dvec2& coordinate) const {

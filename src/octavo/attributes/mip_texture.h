@@ -23,10 +23,10 @@ public:
     [[nodiscard]] int width() const { return levels_[0].width; }
     [[nodiscard]] int height() const { return levels_[0].height; }
 
-    /// Linear light times opacity, and opacity; 0 to 1. Between texels and levels it is linear.
+    /// Linear light times opacity, and opacity; 0 to 1. Between texels it is linear.
     /// @param coordinate  (0, 0) is the picture's upper left corner, (1, 1) the lower right one
     /// @param level       log2 of the texels of the picture that a texel here is wide
-    [[nodiscard]] vec4 sample(const glm::dvec2& coordinate, float level) const;
+    [[nodiscard]] vec4 sample(const glm::dvec2& coordinate, int level) const;
 
     /// The colour of the surface at the finest level that has any near this place; black where it
     /// is nothing but hole.

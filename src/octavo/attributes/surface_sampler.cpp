@@ -16,7 +16,7 @@ namespace {
 
 // A texel that is as wide as the cell, with the tent that is between texels, would blur more than
 // the cell does: of equal variance is one sqrt(3) narrower. log2 of that.
-constexpr float kTentBias = -0.79f;
+constexpr double kTentBias = -0.79;
 constexpr int kMostSamples = 8;
 
 float finite_or_zero(float x) {
@@ -130,7 +130,9 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
     // A piece narrower than a texel needs no narrower samples.
     const double ratio = length / std::max({width, 1.0, length / kMostSamples});
     filter.samples = std::clamp(static_cast<int>(std::ceil(ratio - 0.25)), 1, kMostSamples);
-    filter.level = static_cast<float>(std::log2(length / filter.samples)) + kTentBias;
+    filter.level = static_cast<int>(
+        std::clamp(std::round(std::log2(length / filter.samples) + kTentBias), 0.0, 31.0));
+    filter.share = 1.0f / static_cast<float>(filter.samples);
     if (filter.samples == 1) return;
     const glm::dvec2 long_way = std::abs(uv) > 1e-12 * middle
                                     ? glm::normalize(glm::dvec2(uv, middle + reach - uu))
@@ -161,24 +163,27 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
         vec4 sum(0.0f);
         for_samples(base_, p,
                     [&](const glm::dvec2& at) { sum += base_.texture->sample(at, base_.level); });
-        if (sum.a > 1e-5f) {
+        if (!has_holes_) {
+            base *= vec3(sum) * base_.share;
+        } else if (sum.a > 1e-5f) {
             base *= vec3(sum) / sum.a;
         } else {
             base *= base_.texture->color_around(
                 {glm::dot(coordinates_[0], p), glm::dot(coordinates_[1], p)});
         }
         if (has_holes_)
-            sample.opacity = part_of(sum.a / static_cast<float>(base_.samples), 65535.0f);
+            sample.opacity = static_cast<std::uint16_t>(part_of(sum.a * base_.share, 65535.0f));
     }
     vec3 glow = emission_;
     if (glow_.texture) {
         vec4 sum(0.0f);
         for_samples(glow_, p,
                     [&](const glm::dvec2& at) { sum += glow_.texture->sample(at, glow_.level); });
-        glow *= vec3(sum) / sum.a;
+        glow *= vec3(sum) * glow_.share;
     }
     for (int i = 0; i < 3; ++i) {
-        sample.color[static_cast<unsigned>(i)] = part_of(base[i], 65535.0f);
+        sample.color[static_cast<unsigned>(i)] =
+            static_cast<std::uint16_t>(part_of(base[i], 65535.0f));
         if (emits_) sample.emission[static_cast<unsigned>(i)] = part_of(glow[i], 1048576.0f);
     }
     return sample;

@@ -15,8 +15,8 @@ namespace octavo {
 /// What a piece of a surface looks like, in whole numbers, so that sums of it do not depend on
 /// their order.
 struct SurfaceSample {
-    std::array<std::uint32_t, 3> color{};     // linear, in 65535ths
-    std::uint32_t opacity = 65535;            // the part of the piece that is no hole, in 65535ths
+    std::array<std::uint16_t, 3> color{};     // linear, in 65535ths
+    std::uint16_t opacity = 65535;            // the part of the piece that is no hole, in 65535ths
     std::array<std::uint32_t, 3> emission{};  // in 2^20ths of SurfaceSampler::greatest_emission()
 };
 
@@ -41,8 +41,9 @@ public:
 
         struct Filter {
             const MipTexture* texture = nullptr;
-            float level = 0.0f;
+            int level = 0;
             int samples = 1;
+            float share = 1.0f;    // 1 / samples
             glm::dvec2 step{0.0};  // from one sample to the next
         };
         template <class Look>

@@ -19,10 +19,6 @@ constexpr float kOpposed = -0.25f;
 
 using Channel = Attributes::Channel;
 
-std::vector<std::uint32_t>& values_of(TileValues& out, Channel channel) {
-    return out[static_cast<std::size_t>(channel)];
-}
-
 /// How wide the pieces of a triangle are: a cell, or less where all of it is less.
 double footprint_of(double area) {
     return std::min(1.0, std::sqrt(area));
@@ -77,7 +73,7 @@ public:
     [[nodiscard]] std::uint64_t area() const { return area_; }
     [[nodiscard]] std::uint32_t color() const {
         if (solid_ == 0) return 0;
-        Rgb8 c;
+        Rgb8 c{};
         for (unsigned i = 0; i < 3; ++i)
             c[i] =
                 srgb8_from_linear16(static_cast<std::uint32_t>((color_[i] + solid_ / 2) / solid_));
@@ -112,38 +108,39 @@ TileAverager::TileAverager(const CellIndex& cells, const FixedMesh& mesh,
       wanted_(wanted),
       tile_depth_(tile_depth),
       unit_(std::ldexp(1.0, -mesh.fraction_bits())),
+      kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth - 2)),
       firsts_(masks_.size()) {}
 
 void TileAverager::average(const uvec3& tile, const CellRange& range,
                            std::span<const TileTriangle> triangles, TileValues& out) {
-    find_cells(tile, range);
+    find_cells(range);
     to_tile_ = dvec3(mesh_.base()) - dvec3(tile << static_cast<unsigned>(tile_depth_));
     cut_triangles(triangles);
     sort_parts();
     touch_bare_cells();
-    for (auto& values : out) values.clear();
-    for (std::uint32_t cell = 0; cell < positions_.size(); ++cell)
-        write(std::span(part_order_)
+    for (std::size_t c = 0; c < out.size(); ++c) out[c].resize(kept_[c] ? codes_.size() : 0);
+    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
+        write(cell,
+              std::span(part_order_)
                   .subspan(part_begins_[cell], part_begins_[cell + 1] - part_begins_[cell]),
               out);
 }
 
-void TileAverager::find_cells(const uvec3& tile, const CellRange& range) {
+void TileAverager::find_cells(const CellRange& range) {
     for (const std::uint32_t block : blocks_) masks_[block] = 0;
     blocks_.clear();
-    positions_.clear();
-    const uvec3 corner = tile << static_cast<unsigned>(tile_depth_);
-    cells_.for_each(range, [&](std::uint64_t, const uvec3& cell) {
-        const uvec3 in_tile = cell - corner;
-        const std::uint64_t code = morton_encode(in_tile);
+    codes_.clear();
+    const std::uint64_t in_tile = (std::uint64_t{1} << 3 * tile_depth_) - 1;
+    cells_.for_each_code(range, [&](std::uint64_t, std::uint64_t in_grid) {
+        const std::uint64_t code = in_grid & in_tile;
         const auto block = static_cast<std::uint32_t>(code >> 6);
         if (masks_[block] == 0) {
             blocks_.push_back(block);
-            firsts_[block] = static_cast<std::uint32_t>(positions_.size());
+            firsts_[block] = static_cast<std::uint32_t>(codes_.size());
         }
         masks_[block] |= std::uint64_t{1} << (code & 63u);
-        positions_.push_back(in_tile);
+        codes_.push_back(static_cast<std::uint32_t>(code));
     });
 }
 
@@ -190,7 +187,7 @@ void TileAverager::cut_triangles(std::span<const TileTriangle> triangles) {
 }
 
 void TileAverager::sort_parts() {
-    part_begins_.assign(positions_.size() + 1, 0);
+    part_begins_.assign(codes_.size() + 1, 0);
     for (const Part& part : parts_) ++part_begins_[part.cell];
     std::uint32_t total = 0;
     for (std::uint32_t& begin : part_begins_) {
@@ -211,13 +208,13 @@ void TileAverager::touch_bare_cells() {
         dvec3 point{0.0};
     };
     std::vector<Bare> bare;
-    for (std::uint32_t cell = 0; cell < positions_.size(); ++cell)
+    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
         if (part_begins_[cell] == part_begins_[cell + 1]) bare.push_back({.cell = cell});
     if (bare.empty()) return;
 
     const auto offer = [&](Bare& b, std::uint32_t number) {
         const Facet& facet = facets_[number];
-        const dvec3 centre = dvec3(positions_[b.cell]) + 0.5;
+        const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
         const dvec3 point = nearest_point(facet.corners, centre);
         const double distance = glm::dot(point - centre, point - centre);
         // Of equally near ones the one that has the lesser corners, whatever their order.
@@ -239,7 +236,7 @@ void TileAverager::touch_bare_cells() {
         const dvec3 low = glm::min(c[0], glm::min(c[1], c[2])) - kReach;
         const dvec3 high = glm::max(c[0], glm::max(c[1], c[2])) + kReach;
         for (Bare& b : bare) {
-            const dvec3 centre = dvec3(positions_[b.cell]) + 0.5;
+            const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
             if (glm::all(glm::greaterThanEqual(centre, low)) &&
                 glm::all(glm::lessThanEqual(centre, high)))
                 offer(b, number);
@@ -266,7 +263,27 @@ void TileAverager::touch_bare_cells() {
     sort_parts();
 }
 
-void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) const {
+void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> parts,
+                         TileValues& out) const {
+    const auto put = [&](Channel channel, std::uint32_t value) {
+        const auto c = static_cast<std::size_t>(channel);
+        if (kept_[c]) out[c][cell] = value;
+    };
+    const float greatest = surfaces_.greatest_emission();
+    if (parts.size() == 1) {  // as in most cells
+        const Part& part = parts_[parts[0]];
+        Sum sum;
+        sum.add(part, facets_[part.facet]);
+        Rgb8 color{};
+        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
+        put(Channel::color, pack_rgb8(color));
+        put(Channel::back, 0);
+        put(Channel::emission, sum.emission(greatest));
+        put(Channel::back_emission, 0);
+        put(Channel::normal, wanted_.normal ? pack_normal(sum.normal()) : 0);
+        put(Channel::back_normal, 0);
+        return;
+    }
     // The front is the way that most area faces: by main axes first, then exactly.
     std::array<std::uint64_t, 6> facing{};
     bool one_way = true;
@@ -296,26 +313,25 @@ void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) 
             (glm::dot(normal, towards) < kOpposed ? back : front).add(parts_[p], facet);
         }
     }
-    const float greatest = surfaces_.greatest_emission();
     const std::uint32_t color = front.color(), emission = front.emission(greatest);
     std::uint32_t back_value = 0, back_emission = emission;
-    std::uint32_t normal = pack_normal(front.normal()), back_normal = normal;
+    std::uint32_t normal = wanted_.normal ? pack_normal(front.normal()) : 0, back_normal = 0;
     if (back.area() > 0) {
         back_value = pack_back(back.color(), direction);
         back_emission = back.emission(greatest);
-        back_normal = pack_normal(back.normal());
+        if (wanted_.normal) back_normal = pack_normal(back.normal());
         // A second side that would look like the first is not kept.
         const bool differs = (wanted_.color && back.color() != color) ||
                              (wanted_.emission && back_emission != emission) || wanted_.normal;
         if (!differs) back_value = 0;
     }
     if (back_value == 0) back_emission = back_normal = 0;
-    values_of(out, Channel::color).push_back(color);
-    values_of(out, Channel::back).push_back(back_value);
-    values_of(out, Channel::emission).push_back(emission);
-    values_of(out, Channel::back_emission).push_back(back_emission);
-    values_of(out, Channel::normal).push_back(normal);
-    values_of(out, Channel::back_normal).push_back(back_normal);
+    put(Channel::color, color);
+    put(Channel::back, back_value);
+    put(Channel::emission, emission);
+    put(Channel::back_emission, back_emission);
+    put(Channel::normal, normal);
+    put(Channel::back_normal, back_normal);
 }
 
 }  // namespace octavo

@@ -47,12 +47,12 @@ private:
     };
     class Sum;
 
-    void find_cells(const uvec3& tile, const CellRange& range);
+    void find_cells(const CellRange& range);
     [[nodiscard]] std::uint32_t number_of(const ivec3& cell) const;
     void cut_triangles(std::span<const TileTriangle> triangles);
     void sort_parts();
     void touch_bare_cells();
-    void write(std::span<const std::uint32_t> parts, TileValues& out) const;
+    void write(std::uint32_t cell, std::span<const std::uint32_t> parts, TileValues& out) const;
 
     const CellIndex& cells_;
     const FixedMesh& mesh_;
@@ -61,11 +61,12 @@ private:
     int tile_depth_;
     dvec3 to_tile_{0.0};  // from units of the mesh, after scaling by unit_, to cells of the tile
     double unit_;
+    std::array<bool, Attributes::kChannels> kept_;
 
     std::vector<std::uint64_t> masks_;   // of each block of 4x4x4 cells
     std::vector<std::uint32_t> firsts_;  // number in the tile of each block's first cell
     std::vector<std::uint32_t> blocks_;  // those that are not empty
-    std::vector<uvec3> positions_;       // of the cells in the tile
+    std::vector<std::uint32_t> codes_;   // of the cells in the tile, Morton order
     std::vector<Facet> facets_;
     std::vector<Part> parts_;
     std::vector<std::uint32_t> part_order_;

@@ -9,6 +9,7 @@
 #include "octavo/core/grid.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
+#include "octavo/dag/statistics.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/voxelize/rule.h"
 
@@ -24,15 +25,28 @@ struct BuildOptions {
     std::uint64_t max_memory_bytes = 0;  // for the whole process; 0: no cap
     ProgressFunction progress;
 
-    /// A file that a long build keeps beside it: killed or stopped, the next build with the same
-    /// scene and options goes on from there and gives the same result. Empty: none is kept. It is
-    /// written every few seconds, so a short build makes none, and deleted when the build is done.
-    std::filesystem::path journal;
-    std::chrono::milliseconds journal_interval{5000};
+    /// A folder that the build makes for what it has done and for what the cap leaves no room for,
+    /// and deletes when it is done; the folder that it is in is there. Killed or stopped, the next
+    /// build with the same scene and options goes on from there and gives the same result. A short
+    /// build makes none. Empty: nothing is kept, and a cap that would be passed is an error.
+    std::filesystem::path scratch;
+    std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
+
+    /// Leaves the scratch folder where it is when the build is done, as the result is not safe yet;
+    /// to be deleted by delete_scratch().
+    bool keep_scratch = false;
+
+    /// How much of each kind is held in memory before it spills to the scratch folder, where this
+    /// is less than what the cap would allow; 0: no limit of its own.
+    struct Spill {
+        std::uint64_t node_bytes = 0;
+        std::uint64_t triangle_bytes = 0;
+    } spill;
 };
 
 struct BuildResult {
-    Dag dag;
+    Dag dag;                // built under a cap, its words may be a mapped temporary file
+    Statistics statistics;  // of the DAG, counted on the way
     Grid grid;
     std::uint64_t triangles = 0;             // in the scene
     std::uint64_t degenerate_triangles = 0;  // zero area on the fixed-point grid; still voxelized
@@ -44,11 +58,19 @@ struct BuildResult {
 /// order of the triangles. Textures with alpha make holes only once decode_textures() has been
 /// called.
 ///
-/// @throws Error  io where the journal cannot be read or written; bad_argument where the options or
-/// the scene's bounds allow no grid; limit where the
-///                cap or 2^32 words would be passed; cancelled
+/// Under a cap, triangles and nodes that it leaves no room for go to the scratch folder
+/// (docs/adr/0008-spilling.md). What is counted is the memory that the process has resident, of
+/// files that it has mapped as well; a cap that cannot be kept is an error, as soon as it shows.
+///
+/// @throws Error  io where the scratch cannot be read or written; bad_argument where the options or
+///                the scene's bounds allow no grid; limit where the cap or 2^32 words would be
+///                passed; cancelled
 /// Cost           expected O(voxels touched by triangles); memory: the DAG and its hash tables, the
 ///                triangles of the scene rounded to the grid, and one tile per thread
 [[nodiscard]] BuildResult build(const Scene& scene, const BuildOptions& options);
+
+/// The same for a scene that is not needed any more: its triangles, colours and textures are given
+/// back as soon as they are on disk. Cameras and lights stay, and what glows as lamps (mesh_lamps()).
+[[nodiscard]] BuildResult build_and_release(Scene& scene, const BuildOptions& options);
 
 }  // namespace octavo

@@ -3,35 +3,44 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 
+#include "octavo/construct/scratch.h"
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
+#include "octavo/dag/statistics.h"
 #include "octavo/voxelize/voxel_source.h"
 
 namespace octavo {
 
 struct ConstructOptions {
     std::uint64_t max_memory_bytes = 0;  // resident, of the whole process; 0: no cap
-    ProgressFunction progress;           // phase "voxelize", in tiles
+    std::uint64_t max_store_bytes = 0;   // of nodes held at once; 0: what the cap leaves
+    ProgressFunction progress;           // phases "voxelize" in tiles, "merge", "freeze" in words
 
-    /// Where to keep what is done from time to time, so that a build which is killed can go on; see
-    /// Journal. Empty: nowhere. Deleted when construct() returns; kept when it throws.
-    std::filesystem::path journal;
-    std::uint64_t journal_key = 0;  // of the source, its grid and its tiles
-    std::chrono::milliseconds journal_interval{5000};
+    std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
+};
+
+struct Constructed {
+    Dag dag;
+    Statistics statistics;  // what compute_statistics(dag) would say
 };
 
 /// Builds the minimal DAG of a voxel source. Tiles are voxelized and reduced in parallel, by as
 /// many threads as the calling oneTBB arena has, and merged one after the other in Morton order; so
 /// nodes come to stand in the order in which the tree first meets them, whatever the tiles and the
-/// threads.
+/// threads. Where the nodes would pass the cap they are written out as a part, the next tiles start
+/// another, and merge_parts joins them at the end.
 ///
-/// @param depth  of the grid that the source's tiles are cut from
-/// Goes on from a journal that an earlier call with the same key left.
+/// Goes on from the parts that an earlier call left in the scratch folder.
 ///
-/// @throws Error io where the journal cannot be read or written; limit where the memory cap or 2^32
-/// words would be passed; cancelled Source        [K13] section 3
-[[nodiscard]] Dag construct(const VoxelSource& source, int depth, const ConstructOptions& options);
+/// @param depth    of the grid that the source's tiles are cut from
+/// @param scratch  where to keep what is done from time to time, so that a build which is killed
+///                 can go on, and what the cap leaves no room for. Where it is not available, a
+///                 cap that would be passed is an error
+/// @throws Error io where the scratch cannot be read or written; limit where the memory cap or 2^32
+///               words would be passed; cancelled
+/// Source        [K13] section 3
+[[nodiscard]] Constructed construct(const VoxelSource& source, int depth,
+                                    const ConstructOptions& options, Scratch& scratch);
 
 }  // namespace octavo

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "octavo/construct/scratch.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
@@ -23,6 +24,15 @@ constexpr double kGrowthDecay = 0.93;
 constexpr double kStoreBytesPerDagByte = 1.6;
 constexpr std::uint64_t kBytesPerThread = 16 << 20;  // tiles in flight
 
+// Where everything spills: the program itself and its buffers, tiles in flight, and in the merge an
+// id for each node of the largest level, of which there is one for 8 to 20 bytes of the level.
+constexpr std::uint64_t kLeastBytes = 40 << 20;
+constexpr std::uint64_t kLeastBytesPerThread = 8 << 20;
+constexpr double kMergeBytesPerDagByte = 0.1;
+
+// Parts hold a node more than once, the merged part and the finished words once each.
+constexpr double kScratchBytesPerDagByte = 3.5;
+
 struct Trial {
     double seconds = 0.0;
     double dag_bytes = 1.0;
@@ -33,6 +43,19 @@ Trial try_build(const Scene& scene, const BuildOptions& options, int depth) {
     coarse.depth = depth;
     coarse.rule = options.rule;
     coarse.threads = options.threads;
+    // Not the cap itself: one that cannot be kept is to be found here and not to stop us.
+    if (options.max_memory_bytes != 0 && !options.scratch.empty()) {
+        coarse.scratch = options.scratch;
+        coarse.scratch += "-estimate";
+        coarse.journal_interval = std::chrono::hours(24 * 365);
+        coarse.spill = {options.max_memory_bytes / 4 + 1, options.max_memory_bytes / 8 + 1};
+    }
+    struct Cleaner {
+        const std::filesystem::path& folder;
+        ~Cleaner() {
+            if (!folder.empty()) delete_scratch(folder);
+        }
+    } const cleaner{coarse.scratch};
     coarse.progress = [&](const Progress&) {
         // Only to let the caller stop: these tiles are not progress of theirs.
         return !options.progress || options.progress({"estimate", 0, 0, 0});
@@ -59,12 +82,14 @@ std::string megabytes(double bytes) {
 }  // namespace
 
 Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
+    const std::uint64_t import_peak = peak_resident_bytes();
     Estimate estimate;
     estimate.depth = options.grid ? options.grid->depth : options.depth;
     const int near = std::max(estimate.depth - kCoarserBy, std::min(estimate.depth, 6));
     const int far = std::max(near - 1, kMinDepth);
     const Trial coarsest = try_build(scene, options, far);
     const Trial coarse = try_build(scene, options, near);
+    trim_memory();
 
     // A surface has four times the voxels at twice the resolution, and never more nodes than that;
     // time comes near that factor as voxels come to outnumber triangles.
@@ -83,31 +108,36 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
         static_cast<std::uint64_t>(options.threads > 0 ? options.threads : available_threads());
     const std::uint64_t triangles_in_tiles =
         16 * scene.positions.size() + 24 * scene.triangles.size();
+    const std::uint64_t held = resident_bytes();
     estimate.peak_bytes =
-        resident_bytes() + triangles_in_tiles + threads * kBytesPerThread + store_bytes(dag_bytes);
+        std::max(peak_resident_bytes(),
+                 held + triangles_in_tiles + threads * kBytesPerThread + store_bytes(dag_bytes));
+    estimate.least_bytes =
+        std::max({import_peak, held + (std::uint64_t{8} << 20),
+                  kLeastBytes + threads * kLeastBytesPerThread +
+                      static_cast<std::uint64_t>(kMergeBytesPerDagByte * dag_bytes)});
+    estimate.scratch_bytes = static_cast<std::uint64_t>(kScratchBytesPerDagByte * dag_bytes) +
+                             120 * scene.triangles.size();
     return estimate;
 }
 
 void require_memory(const Estimate& estimate, std::uint64_t max_memory_bytes) {
-    // The guess may be high by half; what it lets through is still stopped when it passes the cap.
-    constexpr double kSure = 1.5;
     const auto cap = static_cast<double>(max_memory_bytes);
-    const auto peak = static_cast<double>(estimate.peak_bytes);
-    if (max_memory_bytes == 0 || peak <= kSure * cap) return;
+    const auto least = static_cast<double>(estimate.least_bytes);
+    if (max_memory_bytes == 0 || least <= cap) return;
 
-    const double without_store =
-        peak - static_cast<double>(store_bytes(static_cast<double>(estimate.dag_bytes)));
-    std::string advice = "--max-memory " +
-                         std::to_string(static_cast<std::uint64_t>(std::ceil(peak / (1 << 20)))) +
-                         "M would do";
     double dag_bytes = static_cast<double>(estimate.dag_bytes);
+    const double without_dag = least - kMergeBytesPerDagByte * dag_bytes;
+    std::string advice = "--max-memory " +
+                         std::to_string(static_cast<std::uint64_t>(std::ceil(least / (1 << 20)))) +
+                         "M would do";
     for (int depth = estimate.depth - 1; depth >= kMinDepth; --depth) {
         dag_bytes /= std::max(estimate.growth, 1.5);
-        if (without_store + kStoreBytesPerDagByte * dag_bytes > cap) continue;
+        if (without_dag + kMergeBytesPerDagByte * dag_bytes > cap) continue;
         advice += ", or a resolution of " + std::to_string(1 << depth);
         break;
     }
-    throw Error(Errc::limit, "this build takes about " + megabytes(peak) + " of memory, and " +
+    throw Error(Errc::limit, "this build takes at least " + megabytes(least) + " of memory, and " +
                                  megabytes(cap) + " are allowed; " + advice);
 }
 

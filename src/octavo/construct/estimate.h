@@ -12,9 +12,11 @@ namespace octavo {
 struct Estimate {
     int depth = 0;
     double seconds = 0.0;
-    std::uint64_t dag_bytes = 0;   // about the size of the file, uncompressed
-    std::uint64_t peak_bytes = 0;  // of memory, for the whole process
-    double growth = 1.0;           // of dag_bytes with each further level
+    std::uint64_t dag_bytes = 0;      // about the size of the file, uncompressed
+    std::uint64_t peak_bytes = 0;     // of memory, for the whole process, where there is no cap
+    std::uint64_t least_bytes = 0;    // the least cap that spilling can keep
+    std::uint64_t scratch_bytes = 0;  // of disk, if nodes and triangles have to spill
+    double growth = 1.0;              // of dag_bytes with each further level
 };
 
 /// Estimates a build by doing it twice, at an eighth and a sixteenth of the resolution, and taking
@@ -25,8 +27,8 @@ struct Estimate {
 /// do not.
 [[nodiscard]] Estimate estimate_build(const Scene& scene, const BuildOptions& options);
 
-/// @throws Error limit  where the estimate is far above the cap; says what resolution or cap would
-/// do
+/// @throws Error limit  where the cap cannot be kept, not even by spilling; says what resolution or
+///                      cap would do
 void require_memory(const Estimate& estimate, std::uint64_t max_memory_bytes);
 
 }  // namespace octavo

@@ -2,6 +2,8 @@
 // Source: [K13] section 3, "each subtree is reduced to a DAG before we insert it into the top".
 #include "octavo/construct/node_store.h"
 
+#include <array>
+#include <string>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -29,6 +31,15 @@ void append_interior(UniqueNodes& nodes, std::uint32_t children_begin,
 }
 
 }  // namespace
+
+std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words) {
+    std::vector<std::uint64_t> begins = {0};
+    for (const std::uint64_t words : level_words) begins.push_back(begins.back() + words);
+    if (begins.back() > std::uint64_t{1} << 32)
+        throw Error(Errc::limit, "the DAG needs " + std::to_string(begins.back()) +
+                                     " words of 32 bits; at most 2^32 can be addressed");
+    return begins;
+}
 
 NodeStore::NodeStore(int top) {
     levels_.emplace_back(UniqueNodes::Kind::leaves);
@@ -86,19 +97,31 @@ void NodeStore::clear() {
     for (UniqueNodes& level : levels_) level.clear();
 }
 
+void NodeStore::reset() {
+    for (UniqueNodes& level : levels_) level.reset();
+    new_ids_ = {};
+    new_ids_below_ = {};
+}
+
+std::uint64_t NodeStore::memory_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const UniqueNodes& level : levels_) bytes += level.memory_bytes();
+    return bytes;
+}
+
+std::uint64_t NodeStore::growth_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const UniqueNodes& level : levels_) bytes += level.growth_bytes();
+    return bytes;
+}
+
 Dag NodeStore::freeze(int depth) && {
     for (UniqueNodes& level : levels_) level.drop_table();
 
-    std::vector<std::uint64_t> begins(static_cast<unsigned>(depth));
-    std::uint64_t total = 0;
-    for (int l = 0; l < depth - 1; ++l) {
-        begins[static_cast<unsigned>(l)] = total;
-        total += level(depth - 2 - l).words().size();
-    }
-    begins.back() = total;
-    if (total > std::uint64_t{1} << 32)
-        throw Error(Errc::limit, "the DAG needs " + std::to_string(total) +
-                                     " words of 32 bits; at most 2^32 can be addressed");
+    std::vector<std::uint64_t> level_words;
+    for (int l = 0; l < depth - 1; ++l) level_words.push_back(level(depth - 2 - l).words().size());
+    std::vector<std::uint64_t> begins = level_begins(level_words);
+    const std::uint64_t total = begins.back();
 
     std::vector<std::uint32_t> words;
     words.reserve(total);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octavo/construct/unique_nodes.h"
@@ -44,6 +44,13 @@ public:
     /// Forgets all nodes, keeps the memory.
     void clear();
 
+    /// Forgets all nodes and gives the memory back.
+    void reset();
+
+    [[nodiscard]] std::uint64_t memory_bytes() const;
+    /// That tables will take on top which are about to grow.
+    [[nodiscard]] std::uint64_t growth_bytes() const;
+
     /// The finished DAG. The store is consumed.
     /// @param depth  the grid's; the store's top level, depth - 2, holds the root or nothing
     /// @throws Error limit where the DAG has more than 2^32 words
@@ -53,5 +60,9 @@ private:
     std::vector<UniqueNodes> levels_;
     std::vector<std::uint32_t> new_ids_, new_ids_below_;  // scratch of merge_root
 };
+
+/// Where the levels of a DAG begin, as Dag wants it, the root's first.
+/// @throws Error limit where they have more than 2^32 words together
+[[nodiscard]] std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words);
 
 }  // namespace octavo

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/construct/reduce.h"
 
+#include <bit>
+
 namespace octavo {
 
 void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells) {
@@ -19,11 +21,24 @@ void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells) {
     cells.resize(parents);
 }
 
+void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& cells,
+                    OctreeCounts& counts) {
+    for (int height = from_height; height <= store.top(); ++height) {
+        reduce_level(store, height, cells);
+        counts.at_height(height) += cells.size();
+    }
+}
+
 void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
-                   std::vector<CellNode>& cells) {
+                   std::vector<CellNode>& cells, OctreeCounts& counts) {
     cells.clear();
-    for (const LeafBlock& leaf : leaves) cells.push_back({leaf.code, store.add_leaf(leaf.voxels)});
-    for (int height = 1; height <= store.top(); ++height) reduce_level(store, height, cells);
+    for (const LeafBlock& leaf : leaves) {
+        cells.push_back({leaf.code, store.add_leaf(leaf.voxels)});
+        counts.voxels += static_cast<unsigned>(std::popcount(leaf.voxels));
+        counts.cells[0] += static_cast<unsigned>(std::popcount(leaf_child_mask(leaf.voxels)));
+    }
+    counts.at_height(0) += leaves.size();
+    reduce_upwards(store, 1, cells, counts);
 }
 
 }  // namespace octavo

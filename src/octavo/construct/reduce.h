@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/construct/node_store.h"
+#include "octavo/construct/octree_counts.h"
 #include "octavo/voxelize/voxel_source.h"
 
 namespace octavo {
@@ -20,14 +21,18 @@ struct CellNode {
 /// @param cells   of height - 1, in Morton order; becomes the cells of `height`, in Morton order
 void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
 
+/// The same from one height up to the store's top, counting the cells.
+void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& cells,
+                    OctreeCounts& counts);
+
 /// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by
-/// level
-/// ([K13] section 3).
+/// level ([K13] section 3).
 ///
 /// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top
-/// height
+///                height
 /// @param cells   scratch
+/// @param counts  is added to
 void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
-                   std::vector<CellNode>& cells);
+                   std::vector<CellNode>& cells, OctreeCounts& counts);
 
 }  // namespace octavo

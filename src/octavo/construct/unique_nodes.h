@@ -62,6 +62,17 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> words() const { return words_.words(); }
     [[nodiscard]] std::uint64_t count() const { return count_; }
 
+    /// Memory that nodes and table take.
+    [[nodiscard]] std::uint64_t memory_bytes() const {
+        return (words_.size() + slots_.size()) * sizeof(std::uint32_t);
+    }
+
+    /// Memory that the table will take on top, if it is about to double.
+    [[nodiscard]] std::uint64_t growth_bytes() const {
+        const bool soon = count_ * 8 > slots_.size() * 4;  // it doubles at 5
+        return soon ? slots_.size() * sizeof(std::uint32_t) : 0;
+    }
+
     /// Forgets the nodes but keeps the memory, for the next nodes.
     void clear();
 

@@ -58,15 +58,31 @@ AtomicFile::~AtomicFile() {
     if (!temporary_.empty()) unlink(temporary_.c_str());
 }
 
+void AtomicFile::reserve(std::uint64_t size_bytes) {
+    if (size_bytes == 0 || fallocate(descriptor_, 0, 0, static_cast<off_t>(size_bytes)) == 0)
+        return;
+    if (errno == ENOSPC || errno == EDQUOT || errno == EFBIG)
+        throw io_error(shown_, "write the " + std::to_string(size_bytes) + " bytes it needs");
+}
+
 void AtomicFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+    const std::size_t size = bytes.size();
     while (!bytes.empty()) {
         const ssize_t written =
             pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0) throw io_error(shown_, "write");
+        if (written < 0)
+            throw io_error(shown_, "write " + std::to_string(size) + " bytes after the first " +
+                                       std::to_string(offset));
         offset += static_cast<std::uint64_t>(written);
         bytes = bytes.subspan(static_cast<std::size_t>(written));
     }
+    // Now and then, so that commit() does not wait for gigabytes at once and cannot be stopped.
+    constexpr std::uint64_t kSyncBytes = std::uint64_t{64} << 20;
+    unsynced_bytes_ += size;
+    if (unsynced_bytes_ < kSyncBytes) return;
+    unsynced_bytes_ = 0;
+    if (fdatasync(descriptor_) != 0) throw io_error(shown_, "write");
 }
 
 void AtomicFile::resize(std::uint64_t size_bytes) {

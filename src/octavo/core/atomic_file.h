@@ -25,6 +25,10 @@ public:
     /// full
     void write(std::uint64_t offset, std::span<const std::byte> bytes);
 
+    /// Takes the room for a file of this many bytes beforehand, where the file system can.
+    /// @throws Error io  where there is not so much room; says how much is needed
+    void reserve(std::uint64_t size_bytes);
+
     /// Makes the file this long: cuts it off, or adds zeros. @throws Error io
     void resize(std::uint64_t size_bytes);
 
@@ -37,6 +41,7 @@ private:
     std::filesystem::path destination_;
     std::filesystem::path temporary_;
     int descriptor_ = -1;
+    std::uint64_t unsynced_bytes_ = 0;
 };
 
 }  // namespace octavo

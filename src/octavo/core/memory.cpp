@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/core/memory.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -25,6 +26,10 @@ std::uint64_t peak_resident_bytes() {
 bool restart_peak_resident() {
     std::ofstream clear("/proc/self/clear_refs");
     return static_cast<bool>(clear << "5" << std::flush);  // 5: the peak, see proc(5)
+}
+
+void trim_memory() {
+    malloc_trim(0);
 }
 
 }  // namespace octavo

@@ -14,4 +14,7 @@ namespace octavo {
 /// Lets peak_resident_bytes() count anew from what is held now. False where the system cannot.
 bool restart_peak_resident();
 
+/// Gives memory that has been freed back to the system, as far as the allocator holds it.
+void trim_memory();
+
 }  // namespace octavo

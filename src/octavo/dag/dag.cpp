@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/dag/dag.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <utility>
 
 #include "octavo/core/morton.h"
@@ -15,8 +18,22 @@ Dag::Dag(int depth, std::vector<std::uint64_t> levels, std::vector<std::uint32_t
 }
 
 Dag::Dag(int depth, std::vector<std::uint64_t> levels, std::span<const std::uint32_t> words,
-         std::shared_ptr<const void> owner)
-    : depth_(depth), levels_(std::move(levels)), words_(words), owner_(std::move(owner)) {}
+         std::shared_ptr<const void> owner, Backing backing)
+    : depth_(depth),
+      levels_(std::move(levels)),
+      words_(words),
+      owner_(std::move(owner)),
+      backing_(backing) {}
+
+void Dag::release(std::uint64_t first_word, std::uint64_t count) const {
+    if (backing_ != Backing::mapped_file) return;
+    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    const auto begin = reinterpret_cast<std::uintptr_t>(words_.data() + first_word) / page * page;
+    const auto end =
+        reinterpret_cast<std::uintptr_t>(words_.data() + first_word + count) / page * page;
+    // Advice; the pages are the file's and unchanged, so they read the same afterwards.
+    if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+}
 
 bool Dag::voxel(const uvec3& voxel) const {
     const std::uint32_t n = resolution();

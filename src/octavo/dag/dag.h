@@ -32,9 +32,12 @@ public:
     /// @param words   laid out as above; trusted, see io/ for reading what is not
     Dag(int depth, std::vector<std::uint64_t> levels, std::vector<std::uint32_t> words);
 
-    /// The same over words that live elsewhere (a mapped file); `owner` keeps them alive.
+    /// Where words that live elsewhere are.
+    enum class Backing { memory, mapped_file };
+
+    /// The same over words that live elsewhere; `owner` keeps them alive.
     Dag(int depth, std::vector<std::uint64_t> levels, std::span<const std::uint32_t> words,
-        std::shared_ptr<const void> owner);
+        std::shared_ptr<const void> owner, Backing backing = Backing::memory);
 
     [[nodiscard]] int depth() const { return depth_; }
     [[nodiscard]] std::uint32_t resolution() const { return 1u << depth_; }
@@ -54,6 +57,10 @@ public:
         return words_[word] | std::uint64_t{words_[word + 1]} << 32;
     }
 
+    /// Says that these words are not needed for a while: where they are a mapped file's, they take
+    /// no memory until they are next looked at. Has no other effect.
+    void release(std::uint64_t first_word, std::uint64_t count) const;
+
     /// Is this voxel set? Grid space; false outside the grid. Cost: one step per level.
     [[nodiscard]] bool voxel(const uvec3& voxel) const;
 
@@ -62,6 +69,7 @@ private:
     std::vector<std::uint64_t> levels_ = {0, 0};
     std::span<const std::uint32_t> words_;
     std::shared_ptr<const void> owner_;
+    Backing backing_ = Backing::memory;
 };
 
 }  // namespace octavo

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <set>
 
-#include "octavo/core/error.h"
+#include "octavo/io/finding.h"
 
 namespace octavo::octv {
 namespace {
@@ -40,67 +40,76 @@ FileHeader decode_header(std::span<const std::byte> file, const std::filesystem:
     const std::size_t have = std::min(file.size(), sizeof header);
     // An empty file has no address to copy from.
     if (have > 0) std::memcpy(&header, file.data(), have);
+    const auto refuse = [&](std::string_view code, const std::string& reason, std::uint64_t at) {
+        throw FormatError(Errc::bad_input, code, path, reason, at);
+    };
     if (have < sizeof kMagic || header.magic != kMagic)
-        throw Error(Errc::bad_input, path, "this is not an .octv file", 0);
-    if (have < sizeof header)
-        throw Error(Errc::bad_input, path, "the file ends in its header", have);
+        refuse("magic", "this is not an .octv file", 0);
+    if (have < sizeof header) refuse("header-cut", "the file ends in its header", have);
 
     if (header.endianness == std::uint32_t{0x04030201})
-        throw Error(Errc::bad_input, path, "the file's bytes are in big-endian order",
-                    offsetof(FileHeader, endianness));
+        refuse("byte-order", "the file's bytes are in big-endian order",
+               offsetof(FileHeader, endianness));
     if (header.endianness != kEndiannessMark)
-        throw Error(Errc::bad_input, path, "the byte order mark is damaged",
-                    offsetof(FileHeader, endianness));
+        refuse("byte-order", "the byte order mark is damaged", offsetof(FileHeader, endianness));
     // The version decides what everything below means, so it comes first.
     if (header.version > kFormatVersion)
-        throw Error(Errc::unsupported, path,
-                    "format version " + std::to_string(header.version) +
-                        "; this program reads up to " + std::to_string(kFormatVersion),
-                    kVersionOffset);
+        throw FormatError(Errc::unsupported, "version-newer", path,
+                          "format version " + std::to_string(header.version) +
+                              "; this program reads up to " + std::to_string(kFormatVersion),
+                          kVersionOffset);
     if (header.version == 0)
-        throw Error(Errc::bad_input, path, "format version 0 does not exist", kVersionOffset);
+        refuse("version-zero", "format version 0 does not exist", kVersionOffset);
 
     if (header.file_bytes != file.size())
-        throw Error(Errc::bad_input, path,
-                    "the file has " + std::to_string(file.size()) + " bytes and should have " +
-                        std::to_string(header.file_bytes) + "; is it cut off?",
-                    offsetof(FileHeader, file_bytes));
+        refuse("file-size",
+               "the file has " + std::to_string(file.size()) + " bytes and should have " +
+                   std::to_string(header.file_bytes) + "; is it cut off?",
+               offsetof(FileHeader, file_bytes));
     if (header.section_count > kMaxSections)
-        throw Error(Errc::bad_input, path,
-                    std::to_string(header.section_count) + " sections; at most " +
-                        std::to_string(kMaxSections) + " fit",
-                    offsetof(FileHeader, section_count));
+        refuse("section-count",
+               std::to_string(header.section_count) + " sections; at most " +
+                   std::to_string(kMaxSections) + " fit",
+               offsetof(FileHeader, section_count));
     if (file.size() < directory_bytes(header.section_count))
-        throw Error(Errc::bad_input, path, "the file ends in its section table", file.size());
+        refuse("table-cut", "the file ends in its section table", file.size());
+    if (header.zero != 0 || header.zeros != decltype(header.zeros){})
+        refuse("header-reserved", "reserved bytes of the header are not zero",
+               header.zero != 0 ? offsetof(FileHeader, zero) : offsetof(FileHeader, zeros));
     return header;
 }
 
 /// @param previous_end  where the section before ends; the table for the first
 void check_section(const Section& section, std::uint64_t at, std::uint64_t previous_end,
                    std::uint64_t file_bytes, const std::filesystem::path& path) {
-    const auto refuse = [&](const std::string& reason, std::uint64_t field) {
-        throw Error(Errc::bad_input, path, "section " + section_name(section.id) + " " + reason,
-                    at + field);
+    const auto refuse = [&](std::string_view code, const std::string& reason, std::uint64_t field) {
+        throw FormatError(Errc::bad_input, code, path,
+                          "section " + section_name(section.id) + " " + reason, at + field);
     };
     if (section.flags & ~(kRequired | kZstd) || section.zero != 0)
-        refuse("has flags that format version 1 does not know", offsetof(Section, flags));
+        refuse("section-flags", "has flags that format version 1 does not know",
+               offsetof(Section, flags));
     if (section.offset % kPageBytes != 0)
-        refuse("does not begin at a multiple of 4096", offsetof(Section, offset));
+        refuse("section-unaligned", "does not begin at a multiple of 4096",
+               offsetof(Section, offset));
     if (section.offset < previous_end)
-        refuse("overlaps what comes before it", offsetof(Section, offset));
+        refuse("section-overlap", "overlaps what comes before it", offsetof(Section, offset));
     // Subtract, never add: offset + stored_bytes may pass 2^64.
     if (section.offset > file_bytes || section.stored_bytes > file_bytes - section.offset)
-        refuse("reaches past the end of the file", offsetof(Section, stored_bytes));
+        refuse("section-outside", "reaches past the end of the file",
+               offsetof(Section, stored_bytes));
     if (!(section.flags & kZstd) && section.raw_bytes != section.stored_bytes)
-        refuse("is not compressed, yet has two sizes", offsetof(Section, raw_bytes));
+        refuse("section-size", "is not compressed, yet has two sizes",
+               offsetof(Section, raw_bytes));
     const bool known = section.id == kMetadataSection || section.id == kDagSection ||
                        std::ranges::count(kAttributeSections, section.id) > 0 ||
                        section.id == kLightSection;
     if (!known && section.flags & kRequired)
-        throw Error(Errc::unsupported, path,
-                    "section " + section_name(section.id) +
-                        " is needed to understand the file, and this program does not know it",
-                    at);
+        throw FormatError(
+            Errc::unsupported, "section-unknown", path,
+            "section " + section_name(section.id) +
+                " is needed to understand the file, and this program does not know it",
+            at);
 }
 
 }  // namespace
@@ -133,8 +142,9 @@ std::vector<Section> decode_directory(std::span<const std::byte> file,
         std::memcpy(sections.data(), file.data() + sizeof header,
                     sections.size() * sizeof(Section));
     if (directory_checksum(header, sections) != header.checksum)
-        throw Error(Errc::bad_input, path, "the header or the section table is damaged",
-                    offsetof(FileHeader, checksum));
+        throw FormatError(Errc::bad_input, "table-checksum", path,
+                          "the header or the section table is damaged",
+                          offsetof(FileHeader, checksum));
 
     std::set<std::uint32_t> seen;
     std::uint64_t end = directory_bytes(sections.size());
@@ -142,8 +152,8 @@ std::vector<Section> decode_directory(std::span<const std::byte> file,
         const std::uint64_t at = directory_bytes(i);
         check_section(sections[i], at, end, file.size(), path);
         if (!seen.insert(sections[i].id).second)
-            throw Error(Errc::bad_input, path,
-                        "section " + section_name(sections[i].id) + " is there twice", at);
+            throw FormatError(Errc::bad_input, "section-twice", path,
+                              "section " + section_name(sections[i].id) + " is there twice", at);
         end = sections[i].offset + sections[i].stored_bytes;
     }
     return sections;
@@ -153,9 +163,9 @@ void verify_checksum(std::span<const std::byte> file, const Section& section,
                      const std::filesystem::path& path) {
     const auto bytes = stored_bytes(file, section);
     if (XXH3_64bits(bytes.data(), bytes.size()) != section.checksum)
-        throw Error(Errc::bad_input, path,
-                    "section " + section_name(section.id) + " is damaged: wrong checksum",
-                    section.offset);
+        throw FormatError(Errc::bad_input, "section-checksum", path,
+                          "section " + section_name(section.id) + " is damaged: wrong checksum",
+                          section.offset);
 }
 
 }  // namespace octavo::octv

@@ -35,9 +35,29 @@ private:
 /// @throws Error io  where it is missing, unreadable, or no regular file
 [[nodiscard]] std::shared_ptr<const Mapping> map_file(const std::filesystem::path& path);
 
-/// Reads a file into memory of its own, which nobody else can change afterwards.
-/// @throws Error io  as map_file does
-[[nodiscard]] std::shared_ptr<const Mapping> copy_file_to_memory(const std::filesystem::path& path);
+/// Memory as long as a file, for a copy of it that nobody else can change or cut off. It is zero,
+/// and takes up no room, but for the parts that have been fetched.
+class FileCopy {
+public:
+    /// @throws Error io  as map_file does
+    explicit FileCopy(const std::filesystem::path& path);
+    ~FileCopy();
+    FileCopy(const FileCopy&) = delete;
+    FileCopy& operator=(const FileCopy&) = delete;
+
+    /// Reads a part of the file, and no more than there is; on all threads where it is large.
+    /// @throws Error io  where the file has become shorter meanwhile, or cannot be read
+    void fetch(std::uint64_t offset, std::uint64_t size);
+
+    [[nodiscard]] std::span<const std::byte> bytes() const { return memory_->bytes(); }
+    /// Keeps the memory alive.
+    [[nodiscard]] std::shared_ptr<const Mapping> memory() const { return memory_; }
+
+private:
+    std::filesystem::path path_;
+    int descriptor_;
+    std::shared_ptr<Mapping> memory_;
+};
 
 /// Zeroed memory that takes up room only where it is written, so that a size which a file merely
 /// claims costs nothing until the bytes exist. @throws Error limit where the system refuses

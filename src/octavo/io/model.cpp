@@ -48,7 +48,9 @@ Model make_model(std::string source, const Scene& scene, VoxelRule rule, BuildRe
     model.metadata.cameras = usable_ones(scene.cameras);
     model.metadata.lights = usable_ones(scene.lights);
     std::ranges::move(mesh_lamps(scene), std::back_inserter(model.metadata.lights));
-    model.metadata.statistics = compute_statistics(built.dag);
+    const bool counted = !built.statistics.levels.empty();
+    model.metadata.statistics =
+        counted ? std::move(built.statistics) : compute_statistics(built.dag);
     model.dag = std::move(built.dag);
     return model;
 }

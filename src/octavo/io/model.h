@@ -28,7 +28,7 @@ struct Model {
 /// mesh/mesh_lamps.h.
 ///
 /// @param source  the name to remember: of the file, without its folder
-/// Cost           one pass over the DAG, for its statistics
+/// @param built   without statistics (a DAG that build() did not make), they are counted
 [[nodiscard]] Model make_model(std::string source, const Scene& scene, VoxelRule rule,
                                BuildResult built);
 

@@ -14,7 +14,9 @@
 #include "octavo/io/check.h"
 #include "octavo/io/compression.h"
 #include "octavo/io/container.h"
+#include "octavo/io/finding.h"
 #include "octavo/io/mapped_file.h"
+#include "octavo/io/reading.h"
 
 namespace octavo {
 namespace {
@@ -63,26 +65,62 @@ private:
 };
 
 /// A section of words, the DAG's or an attribute's.
+/// @param released  the DAG whose pages may go as they are written; or null
 void write_words(SectionWriter& writer, std::uint32_t id, std::uint32_t flags,
-                 std::span<const std::uint32_t> words, const OctvWriteOptions& options) {
+                 std::span<const std::uint32_t> words, const Dag* released,
+                 const OctvWriteOptions& options) {
+    const auto release = [&](std::uint64_t first, std::uint64_t last) {
+        if (released != nullptr)
+            released->release(first / sizeof(std::uint32_t),
+                              (last - first) / sizeof(std::uint32_t));
+    };
     const std::span<const std::byte> raw = std::as_bytes(words);
     const bool compress = options.compress && !raw.empty();
     writer.begin(id, flags | (compress ? kZstd : 0), raw.size());
     for (std::size_t done = 0; !compress && done < raw.size();) {
         const std::size_t count = std::min(kWriteBytes, raw.size() - done);
         writer.append(raw.subspan(done, count));
+        release(done, done + count);
         done += count;
         report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
     }
     if (compress) {
         zstd_compress(
             raw, [&](std::span<const std::byte> piece) { writer.append(piece); },
-            [&](std::uint64_t done) {
+            [&, before = std::uint64_t{0}](std::uint64_t done) mutable {
+                release(before, done);
+                before = done;
                 report(options.progress, {.phase = "write", .done = done, .total = raw.size()});
             });
     }
     writer.end();
 }
+
+/// The file's bytes, from where they may change or in a copy where they cannot.
+class Source {
+public:
+    Source(const std::filesystem::path& path, bool map) {
+        if (map)
+            mapped_ = map_file(path);
+        else
+            copy_.emplace(path);
+    }
+    /// Of a copy, only what has been fetched is there; the rest is zero.
+    [[nodiscard]] std::span<const std::byte> bytes() const {
+        return mapped_ ? mapped_->bytes() : copy_->bytes();
+    }
+    void fetch(std::uint64_t offset, std::uint64_t size) {
+        if (copy_) copy_->fetch(offset, size);
+    }
+    void fetch(const Section& section) { fetch(section.offset, section.stored_bytes); }
+    [[nodiscard]] std::shared_ptr<const Mapping> owner() const {
+        return mapped_ ? mapped_ : copy_->memory();
+    }
+
+private:
+    std::shared_ptr<const Mapping> mapped_;
+    std::optional<FileCopy> copy_;
+};
 
 const Section* find_optional(const std::vector<Section>& sections, std::uint32_t id) {
     const auto found = std::find_if(sections.begin(), sections.end(),
@@ -94,8 +132,8 @@ const Section& find_section(const std::vector<Section>& sections, std::uint32_t 
                             const std::filesystem::path& path) {
     const Section* found = find_optional(sections, id);
     if (!found)
-        throw Error(Errc::bad_input, path, "section " + section_name(id) + " is missing",
-                    sizeof(FileHeader));
+        throw FormatError(Errc::bad_input, "section-missing", path,
+                          "section " + section_name(id) + " is missing", sizeof(FileHeader));
     return *found;
 }
 
@@ -104,9 +142,9 @@ std::shared_ptr<const Mapping> decompress(std::span<const std::byte> file, const
                                           const std::filesystem::path& path) {
     const auto frame = stored_bytes(file, section);
     const auto refuse = [&](const std::string& reason) {
-        throw Error(Errc::bad_input, path,
-                    "section " + section_name(section.id) + " does not decompress: " + reason,
-                    section.offset);
+        throw FormatError(Errc::bad_input, "section-compression", path,
+                          "section " + section_name(section.id) + " does not decompress: " + reason,
+                          section.offset);
     };
     if (zstd_content_size(frame) != section.raw_bytes)
         refuse("it is not one zstd frame of the stated size");
@@ -115,13 +153,9 @@ std::shared_ptr<const Mapping> decompress(std::span<const std::byte> file, const
     return raw;
 }
 
-Metadata read_metadata(std::span<const std::byte> file, const std::vector<Section>& sections,
-                       const std::filesystem::path& path) {
-    const Section& section = find_section(sections, kMetadataSection, path);
-    if (section.raw_bytes > kMaxMetadataBytes)
-        throw Error(Errc::bad_input, path, "the metadata is larger than 16 MiB", section.offset);
-    verify_checksum(file, section, path);
-
+/// The JSON text of a file's metadata, and its meaning.
+Metadata decode_metadata_section(std::span<const std::byte> file, const Section& section,
+                                 const std::filesystem::path& path) {
     std::shared_ptr<const Mapping> decompressed;
     std::span<const std::byte> raw = stored_bytes(file, section);
     if (section.flags & kZstd) {
@@ -131,8 +165,25 @@ Metadata read_metadata(std::span<const std::byte> file, const std::vector<Sectio
     try {
         return decode_metadata({reinterpret_cast<const char*>(raw.data()), raw.size()});
     } catch (const Error& error) {
-        throw Error(error.code(), path, error.what(), section.offset);
+        throw FormatError(error.code(), "metadata", path, error.what(), section.offset);
     }
+}
+
+std::optional<Metadata> read_metadata(Source& source, const Section& section, Reading& reading) {
+    std::optional<Metadata> metadata;
+    reading.check(reading.times.read, [&] {
+        if (std::max(section.raw_bytes, section.stored_bytes) > kMaxMetadataBytes)
+            throw FormatError(Errc::bad_input, "metadata-size", reading.path,
+                              "the metadata is larger than 16 MiB", section.offset);
+        source.fetch(section);
+    });
+    if (!reading.findings.empty()) return metadata;
+    reading.check(reading.times.checksum,
+                  [&] { verify_checksum(source.bytes(), section, reading.path); });
+    reading.check(reading.times.validate, [&] {
+        metadata = decode_metadata_section(source.bytes(), section, reading.path);
+    });
+    return metadata;
 }
 
 /// Words and what keeps them alive.
@@ -141,12 +192,11 @@ struct Words {
     std::shared_ptr<const void> owner;
 };
 
-Words read_words(const std::shared_ptr<const Mapping>& file, const Section& section,
-                 const std::filesystem::path& path) {
-    std::shared_ptr<const Mapping> owner = file;
-    std::span<const std::byte> raw = stored_bytes(file->bytes(), section);
+Words read_words(const Source& source, const Section& section, const std::filesystem::path& path) {
+    std::shared_ptr<const Mapping> owner = source.owner();
+    std::span<const std::byte> raw = stored_bytes(source.bytes(), section);
     if (section.flags & kZstd) {
-        owner = decompress(file->bytes(), section, path);
+        owner = decompress(source.bytes(), section, path);
         raw = owner->bytes();
     }
     return {
@@ -154,82 +204,136 @@ Words read_words(const std::shared_ptr<const Mapping>& file, const Section& sect
         std::move(owner)};
 }
 
+/// @throws FormatError where findings are not collected
 void check_nodes(const Section& section, std::span<const std::uint64_t> begins,
                  std::span<const std::uint32_t> words, const Statistics& statistics,
-                 const std::filesystem::path& path) {
+                 Reading& reading) {
     std::vector<std::uint64_t> level_nodes;
     for (const LevelStatistics& level : statistics.levels) level_nodes.push_back(level.dag_nodes);
-    const auto fault = find_fault(begins, words, level_nodes);
-    if (!fault) return;
-    if (section.flags & kZstd)
-        throw Error(
-            Errc::bad_input, path,
-            fault->reason + " (word " + std::to_string(fault->word) + " of the decompressed DAG)",
-            section.offset);
-    throw Error(Errc::bad_input, path, fault->reason,
-                section.offset + fault->word * sizeof(std::uint32_t));
+    const std::vector<DagFault> faults =
+        find_faults(begins, words, {.level_nodes = level_nodes, .voxels = statistics.voxels},
+                    {.strict = reading.strict, .max_faults = reading.max_findings});
+    for (const DagFault& fault : faults) {
+        Finding finding{std::string(fault.code),
+                        section.offset + fault.word * sizeof(std::uint32_t), fault.reason};
+        if (section.flags & kZstd) {
+            finding.offset = section.offset;
+            finding.message += " (word " + std::to_string(fault.word) + " of the decompressed DAG)";
+        }
+        if (!reading.collect)
+            throw FormatError(Errc::bad_input, fault.code, reading.path, finding.message,
+                              finding.offset);
+        reading.add(std::move(finding));
+    }
 }
 
-CellValues read_channel(const std::shared_ptr<const Mapping>& file, const Section& section,
-                        std::uint64_t cells, int value_bits, const OctvReadOptions& options,
-                        const std::filesystem::path& path) {
-    if (section.raw_bytes % sizeof(std::uint32_t) != 0)
-        throw Error(Errc::bad_input, path,
-                    "section " + section_name(section.id) + " is not a whole number of words",
-                    section.offset);
-    if (section.flags & kZstd && section.raw_bytes > options.max_dag_bytes)
-        throw Error(Errc::limit, path,
-                    "section " + section_name(section.id) + " takes " +
-                        std::to_string(section.raw_bytes) + " bytes, and " +
-                        std::to_string(options.max_dag_bytes) + " are allowed",
-                    section.offset);
-    if (!options.trusted) verify_checksum(file->bytes(), section, path);
-    const Words words = read_words(file, section, path);
-    if (!options.trusted)
-        if (const auto fault = CellValues::find_fault(words.words, cells, value_bits))
-            throw Error(Errc::bad_input, path,
-                        "section " + section_name(section.id) + ": " + fault->reason + " (word " +
-                            std::to_string(fault->word) + ")",
-                        section.offset);
+void check_dag_size(const Section& section, const Statistics& statistics, const Reading& reading) {
+    if (section.raw_bytes != statistics.dag_bytes || section.raw_bytes > kMaxDagBytes)
+        throw FormatError(Errc::bad_input, "dag-size", reading.path,
+                          "section DAG has " + std::to_string(section.raw_bytes) +
+                              " bytes where the metadata states " +
+                              std::to_string(statistics.dag_bytes),
+                          section.offset);
+    if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
+        throw FormatError(Errc::limit, "limit", reading.path,
+                          "the DAG takes " + std::to_string(section.raw_bytes) + " bytes, and " +
+                              std::to_string(reading.options.max_dag_bytes) + " are allowed",
+                          section.offset);
+}
+
+std::vector<Section> read_directory(Source& source, Reading& reading) {
+    std::vector<Section> sections;
+    reading.check(reading.times.read, [&] {
+        source.fetch(0, kPageBytes);
+        sections = decode_directory(source.bytes(), reading.path);
+        find_section(sections, kMetadataSection, reading.path);
+        find_section(sections, kDagSection, reading.path);
+    });
+    return sections;
+}
+
+CellValues read_channel(Source& source, const Section& section, std::uint64_t cells, int value_bits,
+                        Reading& reading) {
+    const auto refuse = [&](Errc errc, std::string_view code, const std::string& reason) {
+        throw FormatError(errc, code, reading.path, "section " + section_name(section.id) + reason,
+                          section.offset);
+    };
+    Words words;
+    reading.check(reading.times.read, [&] {
+        if (section.raw_bytes % sizeof(std::uint32_t) != 0)
+            refuse(Errc::bad_input, "attribute-size", " is not a whole number of words");
+        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
+            refuse(Errc::limit, "limit",
+                   " takes " + std::to_string(section.raw_bytes) + " bytes, and " +
+                       std::to_string(reading.options.max_dag_bytes) + " are allowed");
+        source.fetch(section);
+    });
+    if (!reading.findings.empty()) return {};
+    const bool trusted = reading.options.trusted;
+    if (!trusted)
+        reading.check(reading.times.checksum,
+                      [&] { verify_checksum(source.bytes(), section, reading.path); });
+    if (!reading.findings.empty()) return {};
+    reading.check(reading.times.decompress,
+                  [&] { words = read_words(source, section, reading.path); });
+    if (!trusted)
+        reading.check(reading.times.validate, [&] {
+            if (const auto fault = CellValues::find_fault(words.words, cells, value_bits))
+                refuse(Errc::bad_input, "attribute-values",
+                       ": " + fault->reason + " (word " + std::to_string(fault->word) + ")");
+        });
+    if (!reading.findings.empty()) return {};
     return {words.words, cells, words.owner};
 }
 
-Attributes read_attributes(const std::shared_ptr<const Mapping>& file,
-                           const std::vector<Section>& sections, const Dag& dag,
-                           const AttributeSummary& summary, const OctvReadOptions& options,
-                           const std::filesystem::path& path) {
+Attributes read_attributes(Source& source, const std::vector<Section>& sections, const Dag& dag,
+                           const AttributeSummary& summary, Reading& reading) {
     CellIndex cells(dag, summary.level);
-    if (cells.count() != summary.cells)
-        throw Error(Errc::bad_input, path,
-                    "the attributes are of " + std::to_string(summary.cells) +
-                        " cells, and the DAG has " + std::to_string(cells.count()),
-                    find_section(sections, kMetadataSection, path).offset);
+    reading.check(reading.times.validate, [&] {
+        if (cells.count() != summary.cells)
+            throw FormatError(Errc::bad_input, "attribute-cells", reading.path,
+                              "the attributes are of " + std::to_string(summary.cells) +
+                                  " cells, and the DAG has " + std::to_string(cells.count()),
+                              find_section(sections, kMetadataSection, reading.path).offset);
+    });
+    if (!reading.findings.empty()) return {};
     std::array<CellValues, Attributes::kChannels> channels;
     for (std::size_t c = 0; c < channels.size(); ++c)
         if (const Section* section = find_optional(sections, kAttributeSections[c]))
-            channels[c] = read_channel(file, *section, summary.cells, Attributes::kValueBits[c],
-                                       options, path);
+            channels[c] =
+                read_channel(source, *section, summary.cells, Attributes::kValueBits[c], reading);
+    if (!reading.findings.empty()) return {};
     return {std::move(cells), std::move(channels), summary.tolerance};
 }
 
 /// Every word has a meaning, so there is nothing to check but their number.
-CellLight read_light(const std::shared_ptr<const Mapping>& file,
-                     const std::vector<Section>& sections, const Model& model,
-                     const OctvReadOptions& options, const std::filesystem::path& path) {
-    const Section& section = find_section(sections, kLightSection, path);
+CellLight read_light(Source& source, const std::vector<Section>& sections, const Model& model,
+                     Reading& reading) {
+    const Section& section = find_section(sections, kLightSection, reading.path);
     const std::uint64_t cells = model.attributes.cells().count();
-    if (cells > CellLight::kMostCells || section.raw_bytes != 6 * sizeof(std::uint32_t) * cells)
-        throw Error(Errc::bad_input, path,
-                    "section LITE has " + std::to_string(section.raw_bytes) +
-                        " bytes where its " + std::to_string(cells) + " cells need 24 each",
-                    section.offset);
-    if (section.flags & kZstd && section.raw_bytes > options.max_dag_bytes)
-        throw Error(Errc::limit, path,
-                    "section LITE takes " + std::to_string(section.raw_bytes) + " bytes, and " +
-                        std::to_string(options.max_dag_bytes) + " are allowed",
-                    section.offset);
-    if (!options.trusted) verify_checksum(file->bytes(), section, path);
-    const Words words = read_words(file, section, path);
+    Words words;
+    reading.check(reading.times.read, [&] {
+        if (cells > CellLight::kMostCells || section.raw_bytes != 6 * sizeof(std::uint32_t) * cells)
+            throw FormatError(Errc::bad_input, "light-size", reading.path,
+                              "section LITE has " + std::to_string(section.raw_bytes) +
+                                  " bytes where its " + std::to_string(cells) +
+                                  " cells need 24 each",
+                              section.offset);
+        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
+            throw FormatError(Errc::limit, "limit", reading.path,
+                              "section LITE takes " + std::to_string(section.raw_bytes) +
+                                  " bytes, and " + std::to_string(reading.options.max_dag_bytes) +
+                                  " are allowed",
+                              section.offset);
+        source.fetch(section);
+    });
+    if (!reading.findings.empty()) return {};
+    if (!reading.options.trusted)
+        reading.check(reading.times.checksum,
+                      [&] { verify_checksum(source.bytes(), section, reading.path); });
+    reading.check(reading.times.decompress,
+                  [&] { words = read_words(source, section, reading.path); });
+    if (!reading.findings.empty()) return {};
     return {model.attributes.level(), model.metadata.light->bounces, words.words, words.owner};
 }
 
@@ -260,61 +364,83 @@ void write_octv(const std::filesystem::path& path, const Model& model,
         throw Error(Errc::limit, path, "the scene's cameras and lights take more than 16 MiB");
 
     AtomicFile file(path);
+    if (!options.compress)
+        file.reserve(kPageBytes + round_up_to_page(json.size()) + model.dag.size_bytes());
     SectionWriter writer(file);
     writer.begin(kMetadataSection, kRequired, json.size());
     writer.append(std::as_bytes(std::span(json)));
     writer.end();
-    write_words(writer, kDagSection, kRequired, model.dag.words(), options);
+    write_words(writer, kDagSection, kRequired, model.dag.words(), &model.dag, options);
     for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
         const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
-        if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, options);
+        if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, nullptr, options);
     }
     if (!model.light.empty())
-        write_words(writer, kLightSection, 0, model.light.words(), options);
+        write_words(writer, kLightSection, 0, model.light.words(), nullptr, options);
     writer.write_directory();
     file.commit();
 }
 
-Model read_octv(const std::filesystem::path& path, const OctvReadOptions& options) {
-    const std::shared_ptr<const Mapping> file =
-        options.map ? map_file(path) : copy_file_to_memory(path);
-    const std::vector<Section> sections = decode_directory(file->bytes(), path);
-
+Model read_model(Reading& reading) {
+    const std::filesystem::path& path = reading.path;
+    const bool trusted = reading.options.trusted;
+    OctvReadTimes& times = reading.times;
     Model model;
-    model.metadata = read_metadata(file->bytes(), sections, path);
+
+    Source source(path, trusted || reading.options.map);
+    const std::vector<Section> sections = read_directory(source, reading);
+    if (!reading.findings.empty()) return model;
+    auto metadata = read_metadata(source, find_section(sections, kMetadataSection, path), reading);
+    if (!metadata) return model;
+    model.metadata = std::move(*metadata);
+    reading.metadata_offset = find_section(sections, kMetadataSection, path).offset;
     const Statistics& statistics = model.metadata.statistics;
 
     const Section& section = find_section(sections, kDagSection, path);
-    if (section.raw_bytes != statistics.dag_bytes || section.raw_bytes > kMaxDagBytes)
-        throw Error(Errc::bad_input, path,
-                    "section DAG has " + std::to_string(section.raw_bytes) +
-                        " bytes where the metadata states " + std::to_string(statistics.dag_bytes),
-                    section.offset);
-    if (section.flags & kZstd && section.raw_bytes > options.max_dag_bytes)
-        throw Error(Errc::limit, path,
-                    "the DAG takes " + std::to_string(section.raw_bytes) + " bytes, and " +
-                        std::to_string(options.max_dag_bytes) + " are allowed",
-                    section.offset);
-    if (!options.trusted) verify_checksum(file->bytes(), section, path);
+    const std::size_t findings = reading.findings.size();
+    reading.check(times.read, [&] {
+        check_dag_size(section, statistics, reading);
+        source.fetch(section);
+    });
+    if (reading.findings.size() > findings) return model;
+    if (!trusted)
+        reading.check(times.checksum, [&] { verify_checksum(source.bytes(), section, path); });
 
+    Words words;
+    reading.check(section.flags & kZstd ? times.decompress : times.read,
+                  [&] { words = read_words(source, section, path); });
+    if (reading.findings.size() > findings && words.words.size_bytes() != section.raw_bytes)
+        return model;
     const std::vector<std::uint64_t> begins = level_begins(statistics);
-    const Words words = read_words(file, section, path);
-    if (!options.trusted) check_nodes(section, begins, words.words, statistics, path);
+    if (!trusted)
+        reading.check(times.validate,
+                      [&] { check_nodes(section, begins, words.words, statistics, reading); });
+    if (!reading.findings.empty()) return model;
     model.dag = Dag(model.metadata.grid.depth, begins, words.words, words.owner);
-    if (options.attributes && model.metadata.attributes)
+    if (reading.options.attributes && model.metadata.attributes)
         model.attributes =
-            read_attributes(file, sections, model.dag, *model.metadata.attributes, options, path);
+            read_attributes(source, sections, model.dag, *model.metadata.attributes, reading);
+    if (!reading.findings.empty()) return model;
     if (!model.attributes.empty() && model.metadata.light)
-        model.light = read_light(file, sections, model, options, path);
+        model.light = read_light(source, sections, model, reading);
+    return model;
+}
+
+Model read_octv(const std::filesystem::path& path, const OctvReadOptions& options) {
+    Reading reading{.path = path, .options = options};
+    Model model = read_model(reading);
+    if (options.times) *options.times = reading.times;
     return model;
 }
 
 OctvSummary read_octv_summary(const std::filesystem::path& path) {
-    const std::shared_ptr<const Mapping> file = map_file(path);
-    const std::vector<Section> sections = decode_directory(file->bytes(), path);
+    Reading reading{.path = path};
+    Source source(path, false);
+    const std::vector<Section> sections = read_directory(source, reading);
     OctvSummary summary;
-    summary.metadata = read_metadata(file->bytes(), sections, path);
-    summary.file_bytes = file->bytes().size();
+    summary.metadata =
+        *read_metadata(source, find_section(sections, kMetadataSection, path), reading);
+    summary.file_bytes = source.bytes().size();
     summary.compressed = find_section(sections, kDagSection, path).flags & kZstd;
     for (std::size_t c = 0; c < Attributes::kChannels; ++c)
         if (const Section* section = find_optional(sections, kAttributeSections[c]))

@@ -58,7 +58,7 @@ bool is_gzip(std::string_view bytes) {
     return bytes.starts_with("\x1f\x8b");
 }
 
-FileBytes inflate_file(const FileBytes& compressed) {
+FileBytes inflate_file(const FileBytes& compressed, std::uint64_t max_bytes) {
     const std::string_view input = compressed.view();
     Inflater inflater;
     z_stream& stream = inflater.stream;
@@ -69,6 +69,9 @@ FileBytes inflate_file(const FileBytes& compressed) {
     auto data = std::make_unique_for_overwrite<char[]>(capacity);
     std::size_t size = 0, used = 0;
     for (;;) {
+        if (size > max_bytes)
+            throw Error(Errc::limit, compressed.file(),
+                        "inflates to more than " + std::to_string(max_bytes) + " bytes");
         if (size == capacity) {
             auto larger = std::make_unique_for_overwrite<char[]>(2 * capacity);
             std::memcpy(larger.get(), data.get(), size);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -42,7 +43,7 @@ private:
 [[nodiscard]] bool is_gzip(std::string_view bytes);
 
 /// The content of a gzipped file, all members of it; byte offsets then count inflated bytes.
-/// @throws Error bad_input
-[[nodiscard]] FileBytes inflate_file(const FileBytes& compressed);
+/// @throws Error bad_input; limit where it is longer than this
+[[nodiscard]] FileBytes inflate_file(const FileBytes& compressed, std::uint64_t max_bytes);
 
 }  // namespace octavo

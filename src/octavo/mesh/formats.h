@@ -10,14 +10,15 @@
 /// and may find that it has no triangles.
 namespace octavo::formats {
 
-[[nodiscard]] Scene read_gltf(const FileBytes& bytes);  // .gltf and .glb
+/// .gltf and .glb. @param max_bytes  of vertices and triangles @throws Error limit beyond
+[[nodiscard]] Scene read_gltf(const FileBytes& bytes, std::uint64_t max_bytes);
 [[nodiscard]] Scene read_obj(const FileBytes& bytes);
 [[nodiscard]] Scene read_ply(const FileBytes& bytes);
 [[nodiscard]] Scene read_stl(const FileBytes& bytes);
 
 /// Whether assimp has a reader for this file name.
 [[nodiscard]] bool assimp_knows(const std::filesystem::path& file);
-/// Opens the file itself. @throws Error
+/// Opens the file itself, and may crash: see read_in_child(). @throws Error
 [[nodiscard]] Scene read_with_assimp(const std::filesystem::path& file);
 
 }  // namespace octavo::formats

@@ -42,7 +42,8 @@ dvec3 unit(const dvec4& direction, const dvec3& fallback) {
 
 class SceneReader {
 public:
-    explicit SceneReader(const FileBytes& bytes) : document_(bytes) {}
+    SceneReader(const FileBytes& bytes, std::uint64_t max_bytes)
+        : document_(bytes), max_bytes_(max_bytes) {}
 
     Scene read() {
         check_extensions();
@@ -237,6 +238,7 @@ private:
                                              std::to_string(positions.count) + " does not exist");
             return base->second + static_cast<std::uint32_t>(vertex);
         };
+        take_room(count / 3 * (mode == kTriangles ? 1 : 3), kTriangleBytes);
         auto& triangles = scene_.triangles;
         if (mode == kTriangles) {
             if (count % 3 != 0) warn("a list of triangles has corners left over");
@@ -265,6 +267,7 @@ private:
         if (positions.count > Scene::kNoMaterial - base)
             throw Error(Errc::limit, document_.file().file(), "has more than 2^32 vertices");
 
+        take_room(positions.count, kVertexBytes);
         for (std::size_t i = 0; i < positions.count; ++i) {
             const dvec4 p = positions.real(i);
             scene_.positions.emplace_back(world * dvec4(p.x, p.y, p.z, 1.0));
@@ -299,7 +302,21 @@ private:
         return static_cast<std::uint32_t>(base);
     }
 
+    static constexpr std::uint64_t kVertexBytes = sizeof(dvec3) + sizeof(vec2) + 4;
+    static constexpr std::uint64_t kTriangleBytes = sizeof(uvec3) + sizeof(std::uint32_t);
+
+    /// Nodes may use one mesh any number of times, so a short file can describe any size.
+    void take_room(std::uint64_t elements, std::uint64_t bytes_each) {
+        bytes_ += elements * bytes_each;  // a step is below 2^40: no sum passes 2^64
+        if (bytes_ > max_bytes_)
+            throw Error(
+                Errc::limit, document_.file().file(),
+                "with all instances, takes more than " + std::to_string(max_bytes_) + " bytes");
+    }
+
     Document document_;
+    std::uint64_t max_bytes_;
+    std::uint64_t bytes_ = 0;
     Scene scene_;
     std::vector<TexturePlacement> placements_;
     std::set<std::string> warnings_;
@@ -309,9 +326,9 @@ private:
 
 }  // namespace
 
-Scene formats::read_gltf(const FileBytes& bytes) {
+Scene formats::read_gltf(const FileBytes& bytes, std::uint64_t max_bytes) {
     try {
-        return SceneReader(bytes).read();
+        return SceneReader(bytes, max_bytes).read();
     } catch (const json::exception& error) {
         throw bytes.error(std::string("is not valid glTF: ") + error.what());
     }

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/mesh/load.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <new>
 #include <string>
 
+#include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
 
 namespace octavo {
 namespace fs = std::filesystem;
 
 namespace {
+
+std::uint64_t machine_memory_bytes() {
+    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
 
 std::string lowercase(std::string text) {
     for (char& c : text)
@@ -24,20 +32,23 @@ std::string format_extension(const fs::path& file) {
     return extension == ".gz" ? lowercase(file.stem().extension().string()) : extension;
 }
 
-Scene read(const fs::path& file) {
+Scene read(const fs::path& file, const LoadLimits& limits) {
     const std::string extension = format_extension(file);
     FileBytes bytes = read_file(file);
-    if (is_gzip(bytes.view())) bytes = inflate_file(bytes);
+    if (is_gzip(bytes.view())) bytes = inflate_file(bytes, limits.max_bytes);
 
     // Two formats say what they are, whatever the file is called.
     const std::string_view view = bytes.view();
     if (view.starts_with("glTF") || extension == ".gltf" || extension == ".glb")
-        return formats::read_gltf(bytes);
+        return formats::read_gltf(bytes, limits.max_bytes);
     if (view.starts_with("ply\n") || view.starts_with("ply\r") || extension == ".ply")
         return formats::read_ply(bytes);
     if (extension == ".obj") return formats::read_obj(bytes);
     if (extension == ".stl") return formats::read_stl(bytes);
-    if (formats::assimp_knows(file)) return formats::read_with_assimp(file);
+    if (formats::assimp_knows(file))
+        return read_in_child(
+            file, [&file] { return formats::read_with_assimp(file); }, limits.max_bytes,
+            limits.max_seconds);
     throw Error(Errc::unsupported, file, "no reader knows this kind of file");
 }
 
@@ -54,13 +65,25 @@ void check(const Scene& scene, const fs::path& file) {
     };
     if (!std::all_of(scene.triangles.begin(), scene.triangles.end(), in_range))
         throw Error(Errc::bad_input, file, "a triangle refers to a vertex that does not exist");
+    const auto one_each = [](const auto& values, std::size_t expected) {
+        return values.empty() || values.size() == expected;
+    };
+    const auto known = [&](std::uint32_t m) {
+        return m == Scene::kNoMaterial || m < scene.materials.size();
+    };
+    if (!one_each(scene.texture_coordinates, count) || !one_each(scene.colors, count) ||
+        !one_each(scene.triangle_materials, scene.triangles.size()) ||
+        !std::ranges::all_of(scene.triangle_materials, known))
+        throw Error(Errc::bad_input, file, "a vertex or triangle refers to what does not exist");
 }
 
 }  // namespace
 
-Scene load_scene(const fs::path& file) {
+Scene load_scene(const fs::path& file, const LoadLimits& given) {
+    LoadLimits limits = given;
+    if (limits.max_bytes == 0) limits.max_bytes = machine_memory_bytes() / 2;
     try {
-        Scene scene = read(file);
+        Scene scene = read(file, limits);
         check(scene, file);
         return scene;
     } catch (const std::bad_alloc&) {

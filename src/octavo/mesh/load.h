@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "octavo/mesh/scene.h"
 
 namespace octavo {
+
+/// What reading a scene file may take; beyond it is an Error `limit`.
+struct LoadLimits {
+    /// For vertices and triangles, which a small file may repeat without end by instancing a mesh,
+    /// and for what is inflated. 0: half of the machine's memory.
+    std::uint64_t max_bytes = 0;
+    /// For the formats that the assimp library reads.
+    double max_seconds = 600.0;
+};
 
 /// Reads a triangle scene: glTF and GLB, OBJ with its materials, PLY, STL, each also gzipped, and
 /// whatever else the assimp library knows by its file name (OFF, COLLADA, 3DS, ...).
@@ -19,8 +29,9 @@ namespace octavo {
 ///
 /// @throws Error  io where the file is missing or unreadable; bad_input where its content is not
 ///                what its format says, or has no triangles; unsupported where no reader knows it;
-///                limit where it has more than 2^32 vertices or triangles, or does not fit into
-///                memory
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file);
+///                limit where it has more than 2^32 vertices or triangles, or passes the limits
+///
+/// assimp runs in a process of its own, as it crashes on some damaged files: that is then an Error.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, const LoadLimits& limits = {});
 
 }  // namespace octavo

@@ -24,9 +24,11 @@ private:
     friend class SeenLamp;
 
     struct Triangle {
-        dvec3 corner;  // grid space
-        vec3 u, v;     // to the other corners
-        vec3 normal;   // unit length
+        dvec3 corner;   // grid space
+        vec3 u, v;      // to the other corners
+        vec3 normal;    // unit length
+        vec3 middle;    // seen from low_
+        float squared;  // of a length: about the triangle's size
     };
 
     Light light_;
@@ -71,6 +73,7 @@ private:
     int face_;
     vec3 normal_;
     shared::LampPatch patch_{};  // of all but a mesh
+    vec3 to_low_{0.0f};          // of a mesh
     float light_ = 0.0f;         // of each ray, where they are all alike
     bool dark_ = false;
 };

@@ -21,6 +21,7 @@
 #include "octavo/render/lamp.h"
 #include "octavo/render/normal_cache.h"
 #include "octavo/render/ray_queue.h"
+#include "octavo/render/visibility.h"
 
 namespace octavo {
 namespace {
@@ -38,6 +39,7 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
+    if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
     for (const Light& light : o.lights.value_or(std::vector<Light>{}))
         if (!(light.size >= 0.0) || !std::isfinite(light.size))
             refuse("a light's size is negative or not finite");
@@ -62,7 +64,11 @@ public:
         const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
         ao_radius_ = static_cast<float>(radius / grid.voxel_size);
         ao_stop_.cone = static_cast<float>(options.ao_cone);
-        primary_stop_.cone = options.level_of_detail ? rays_.pixel_pitch() : 0.0f;
+        // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
+        primary_stop_.cone =
+            options.level_of_detail
+                ? rays_.pixel_pitch() / std::sqrt(static_cast<float>(options.samples))
+                : 0.0f;
         primary_stop_.time_before = rays_.t_before();
     }
 
@@ -70,12 +76,13 @@ public:
         const int x1 = std::min(x0 + kTile, options_.width);
         const int y1 = std::min(y0 + kTile, options_.height);
         float start = 0.0f;
-        if (options_.beam)
+        if (options_.beam && !options_.primary)
             if (const auto beam = rays_.bundle(x0, y0, x1, y1))
                 start = beam_start(dag_, *beam, primary_stop_);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
+            if (options_.primary) ask_for_surface(tile);
             if (i == 0) write_depths(tile, image);
             add_samples(tile, i);
         }
@@ -131,6 +138,7 @@ private:
         std::vector<vec3> sums;
         std::vector<shared::GridRay> rays;
         std::vector<shared::GridHit> hits;
+        std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
         RayQueue sky_queue;
         RayQueue lamp_queue;
@@ -145,8 +153,24 @@ private:
             tile.rays[k].t_min = start;
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
-        if (!rays_.sees_nothing() && start < tile.rays[0].t_max)
+        if (!options_.primary && !rays_.sees_nothing() && start < tile.rays[0].t_max)
             trace_closest_wide(whole_dag_, tile.rays, primary_stop_, tile.hits);
+    }
+
+    /// Has the rays traced by the caller. A hit then says when, and that there is no face.
+    void ask_for_surface(Tile& tile) const {
+        std::vector<Ray> rays;
+        for (const shared::GridRay& ray : tile.rays)
+            rays.push_back({grid_.to_world(dvec3(ray.cell) + dvec3(ray.frac)),
+                            dvec3(ray.dir) * grid_.voxel_size});
+        tile.surface.assign(rays.size(), {});
+        options_.primary(rays, tile.surface);
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            const SurfaceHit& found = tile.surface[k];
+            if (!std::isfinite(found.t) || !(glm::length(found.normal) > 0.0f)) continue;
+            tile.hits[k].t = static_cast<float>(found.t);
+            tile.hits[k].face = shared::kFaceInside;
+        }
     }
 
     void write_depths(const Tile& tile, Image& image) const {
@@ -181,27 +205,37 @@ private:
         return {i * each, (i + 1) * each};
     }
 
+    /// Where the secondary rays of pixel k start.
+    [[nodiscard]] shared::SurfacePoint surface_point(Tile& tile, std::size_t k) const {
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) return lifted_point(ray, tile.surface[k], tile.seeds[k]);
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        return options_.smooth_normals
+                   ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), tile.seeds[k])
+                   : flat_point(ray, hit, tile.seeds[k]);
+    }
+
+    [[nodiscard]] shared::SurfacePoint lifted_point(const shared::GridRay& ray,
+                                                    const SurfaceHit& found,
+                                                    std::uint32_t seed) const {
+        const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) + found.t * dvec3(ray.dir);
+        vec3 normal = glm::normalize(found.normal);
+        if (glm::dot(normal, ray.dir) > 0.0f) normal = -normal;
+        const auto start = lifted_start(grid_, grid_.to_world(at), normal, options_.bias);
+        if (!start) return {ray.cell, ray.frac, normal, shared::kFaceNone, seed, 1};
+        return {start->cell, start->frac, normal, shared::kFaceNone, seed, 1};
+    }
+
     /// Queues the rays that say how much light sample i of pixel k gets.
     void send_rays(Tile& tile, std::size_t k, int i) const {
-        const shared::GridRay& ray = tile.rays[k];
-        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const std::uint32_t seed = tile.seeds[k];
-        const shared::SurfacePoint point =
-            options_.smooth_normals
-                ? smoothed_point(dag_, ray, hit, tile.normals.get(dag_, ray, hit), seed)
-                : flat_point(ray, hit, seed);
+        const shared::SurfacePoint point = surface_point(tile, k);
         const vec3 normal = point.normal;
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
         Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
-        if (options_.attributes) {
-            const Attributes& looks = *options_.attributes;
-            const int level = whole_dag_.depth() - hit.height;
-            if (const auto color = looks.color(hit.path, level, -ray.dir))
-                w.albedo = linear_from_srgb8(*color);
-            w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
-        }
+        if (options_.attributes) look_at_voxel(tile, k, w);
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, i);
             w.sky_rays = some.y - some.x;
@@ -224,6 +258,26 @@ private:
                                 tile.lamp_queue);
         }
         tile.waiting.push_back(w);
+    }
+
+    /// The colour and the emission of what pixel k sees.
+    void look_at_voxel(const Tile& tile, std::size_t k, Waiting& w) const {
+        const Attributes& looks = *options_.attributes;
+        const shared::GridRay& ray = tile.rays[k];
+        if (options_.primary) {
+            const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
+                             static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
+            if (const auto cell = looks.cell_at(at)) {
+                w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
+                w.emission = looks.emission(*cell, -ray.dir);
+            }
+            return;
+        }
+        const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
+        const int level = whole_dag_.depth() - hit.height;
+        if (const auto color = looks.color(hit.path, level, -ray.dir))
+            w.albedo = linear_from_srgb8(*color);
+        w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
     }
 
     static void add_unshadowed(const SeenLamp& lamp, const ivec2& some, std::uint32_t seed,

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octavo/attributes/attributes.h"
@@ -12,10 +15,21 @@
 #include "octavo/light/sky.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/render/image.h"
+#include "octavo/trace/trace.h"
 
 namespace octavo {
 
 enum class Shadows { none, hard, soft };
+
+/// Where a primary ray meets a surface; t is infinite where it meets none.
+struct SurfaceHit {
+    double t = std::numeric_limits<double>::infinity();  // in multiples of the ray's direction
+    vec3 normal{0.0f};                                   // any length and side
+};
+
+/// Finds the first surface along some rays that are close together; world space. Called by many
+/// threads at a time.
+using PrimaryFunction = std::function<void(std::span<const Ray> rays, std::span<SurfaceHit> hits)>;
 
 /// What a picture is made of. Counts of rays are per pixel, shared out evenly among its `samples`
 /// and rounded up to a multiple of them; hard shadows take one for each sample.
@@ -36,9 +50,15 @@ struct RenderOptions {
 
     int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre
     bool smooth_normals = true;   // from the occupancy around the voxel; else the face that was hit
-    bool level_of_detail = true;  // a primary ray stops at cells that look smaller than a pixel
+    bool level_of_detail = true;  // a primary ray stops at cells that look smaller than its
+                                  // share of a pixel
     bool beam = true;             // 8x8-pixel beams; the picture is the same without
-    std::uint32_t frame = 0;      // another number gives other noise
+
+    PrimaryFunction primary = {};  // none: the voxels. Else what is seen comes from here, from
+                                   // the triangles say, and the voxels give shadow and ambient
+                                   // occlusion alone ([K13] section 4)
+    double bias = 1.0;             // with `primary`: see VisibilityOptions
+    std::uint32_t frame = 0;       // another number gives other noise
 
     const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 

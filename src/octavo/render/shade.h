@@ -14,8 +14,7 @@ OCTAVO_FN vec3 clay() {
 OCTAVO_FN vec3 sky_color(vec3 direction, vec3 up) {
     vec3 horizon = vec3(0.80f, 0.86f, 0.93f);
     float height = dot(normalize(direction), up);
-    if (height < 0.0f)
-        return mix(horizon, vec3(0.42f, 0.39f, 0.35f), min(1.0f, sqrt(-height)));
+    if (height < 0.0f) return mix(horizon, vec3(0.42f, 0.39f, 0.35f), min(1.0f, sqrt(-height)));
     return mix(horizon, vec3(0.30f, 0.47f, 0.78f), min(1.0f, pow(height, 0.6f)));
 }
 

@@ -43,9 +43,14 @@ void check(const VisibilityOptions& o, std::size_t points, std::size_t normals, 
         refuse("visibility: the ambient radius is not a number above 0");
 }
 
-/// The lifted point as the start of rays, grid space; none where it cannot be one.
-std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position,
-                                         const vec3& normal, double bias) {
+}  // namespace
+
+double visibility_bias(const dvec3& normal) {
+    return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+}
+
+std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& position,
+                                            const vec3& normal, double bias) {
     const double length = glm::length(dvec3(normal));
     if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
     const double lift = bias * (visibility_bias(dvec3(normal) / length) + kSlack);
@@ -54,12 +59,6 @@ std::optional<shared::GridRay> ray_start(const Grid& grid, const dvec3& position
         if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
     const dvec3 cell = glm::floor(origin);
     return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
-}
-
-}  // namespace
-
-double visibility_bias(const dvec3& normal) {
-    return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
 }
 
 void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positions,
@@ -79,7 +78,7 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
         for (std::size_t i = first; i < end; ++i) {
             sky_queue.begin_group();
             lamp_queue.begin_group();
-            const auto start = ray_start(grid, positions[i], normals[i], options.bias);
+            const auto start = lifted_start(grid, positions[i], normals[i], options.bias);
             if (!start) {
                 sky_queue.add_seen(static_cast<float>(options.ao_samples));
                 lamp_queue.add_seen(all_light[i - first] = 1.0f);

@@ -9,6 +9,7 @@
 #include "octavo/core/progress.h"
 #include "octavo/dag/dag.h"
 #include "octavo/mesh/scene.h"
+#include "octavo/trace/dag_view.h"
 
 namespace octavo {
 
@@ -30,6 +31,12 @@ struct VisibilityOptions {
 /// A point lifted by it sees neither acne, since rays of the normal's hemisphere lead away from the
 /// plane, nor gaps wider than 1.74 voxels where things touch.
 [[nodiscard]] double visibility_bias(const dvec3& normal);
+
+/// A point of a triangle as the start of rays, `bias` times visibility_bias(normal) above it: in
+/// grid space, of direction `normal`, without an end; none where a number is not finite, the normal
+/// is zero or the grid is too far away.
+[[nodiscard]] std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& position,
+                                                          const vec3& normal, double bias);
 
 /// Shadow and ambient occlusion for points of surfaces that somebody else found: the pixels of a
 /// rasterised picture, the texels of a light map ([K13] section 4: secondary rays for triangles).

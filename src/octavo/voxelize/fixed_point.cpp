@@ -49,15 +49,15 @@ void clip_to_half_space(std::vector<dvec3>& polygon, int axis, double plane, dou
 
 }  // namespace
 
-FixedMesh::FixedMesh(const Scene& scene, const Grid& grid) : scene_triangles_(scene.triangles) {
-    choose_precision(scene, grid);
-    round_points(scene, grid);
-    count_and_clip(scene, grid);
+FixedMesh::FixedMesh(const Scene& piece, const Grid& grid, const Box& bounds)
+    : scene_triangles_(piece.triangles) {
+    choose_precision(bounds, grid);
+    round_points(piece, grid);
+    count_and_clip(piece, grid);
 }
 
-void FixedMesh::choose_precision(const Scene& scene, const Grid& grid) {
+void FixedMesh::choose_precision(const Box& bounds, const Grid& grid) {
     const Window window(grid);
-    const Box bounds = scene.bounds();
     const dvec3 low = glm::clamp(grid.to_grid(bounds.low), dvec3(window.low), dvec3(window.high));
     const dvec3 high = glm::clamp(grid.to_grid(bounds.high), dvec3(window.low), dvec3(window.high));
     const dvec3 size = high - low;
@@ -65,12 +65,12 @@ void FixedMesh::choose_precision(const Scene& scene, const Grid& grid) {
     const double extent = std::max({size.x, size.y, size.z}) * (1.0 + 1e-6);
 
     const int extent_bits = extent >= 1.0 ? std::ilogb(extent) : 0;
-    fraction_bits_ = std::clamp(kSceneBits - extent_bits, kMinFractionBits, kSceneBits);
-    base_ = ivec3(glm::floor(low));
+    frame_.fraction_bits = std::clamp(kSceneBits - extent_bits, kMinFractionBits, kSceneBits);
+    frame_.base = ivec3(glm::floor(low));
 }
 
 FixedPoint FixedMesh::round(const dvec3& point_grid) const {
-    const dvec3 scaled = (point_grid - dvec3(base_)) * std::ldexp(1.0, fraction_bits_);
+    const dvec3 scaled = (point_grid - dvec3(frame_.base)) * std::ldexp(1.0, frame_.fraction_bits);
     return {static_cast<std::int32_t>(std::lround(scaled.x)),
             static_cast<std::int32_t>(std::lround(scaled.y)),
             static_cast<std::int32_t>(std::lround(scaled.z)), kInside};

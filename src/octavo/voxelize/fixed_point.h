@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/grid.h"
@@ -33,7 +34,21 @@ struct alignas(16) FixedPoint {
 /// by it.
 class FixedMesh {
 public:
-    FixedMesh(const Scene& scene, const Grid& grid);
+    FixedMesh(const Scene& scene, const Grid& grid) : FixedMesh(scene, grid, scene.bounds()) {}
+
+    /// For a piece of a larger scene, rounded as the whole one is.
+    /// @param bounds  of the whole scene
+    FixedMesh(const Scene& piece, const Grid& grid, const Box& bounds);
+
+    /// How corners are written: equal for all pieces of a scene.
+    struct Frame {
+        int fraction_bits = 0;
+        ivec3 base{0};
+    };
+
+    /// Of triangles that have been rounded before.
+    FixedMesh(const Frame& frame, std::vector<std::array<FixedPoint, 3>> triangles)
+        : frame_(frame), clipped_(std::move(triangles)) {}
 
     /// Number of triangles to voxelize. Non-finite ones are among them; see `corners`.
     [[nodiscard]] std::size_t size() const { return scene_triangles_.size() + clipped_.size(); }
@@ -57,8 +72,9 @@ public:
         return triangle < count ? triangle : clipped_from_[triangle - count];
     }
 
-    [[nodiscard]] int fraction_bits() const { return fraction_bits_; }
-    [[nodiscard]] const ivec3& base() const { return base_; }
+    [[nodiscard]] const Frame& frame() const { return frame_; }
+    [[nodiscard]] int fraction_bits() const { return frame_.fraction_bits; }
+    [[nodiscard]] const ivec3& base() const { return frame_.base; }
 
     [[nodiscard]] std::uint64_t degenerate_triangles() const { return degenerate_; }
     [[nodiscard]] std::uint64_t non_finite_triangles() const { return non_finite_; }
@@ -68,13 +84,12 @@ private:
     static constexpr std::int32_t kFar = 1;
     static constexpr std::int32_t kNonFinite = 2;
 
-    void choose_precision(const Scene& scene, const Grid& grid);
+    void choose_precision(const Box& bounds, const Grid& grid);
     void round_points(const Scene& scene, const Grid& grid);
     void count_and_clip(const Scene& scene, const Grid& grid);
     [[nodiscard]] FixedPoint round(const dvec3& point_grid) const;
 
-    int fraction_bits_ = 0;
-    ivec3 base_{0};
+    Frame frame_;
     std::span<const uvec3> scene_triangles_;
     std::vector<FixedPoint> points_;
     std::vector<std::array<FixedPoint, 3>> clipped_;

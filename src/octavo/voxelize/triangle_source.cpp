@@ -16,6 +16,8 @@ namespace {
 
 constexpr int kMaxTilesDepth = 10;  // so that a tile's Morton code fits 32 bits
 
+}  // namespace
+
 int checked_tile_depth(int tile_depth, int grid_depth) {
     if (tile_depth < 2 || tile_depth > grid_depth || tile_depth > kMaxTileDepth ||
         grid_depth - tile_depth > kMaxTilesDepth)
@@ -25,8 +27,6 @@ int checked_tile_depth(int tile_depth, int grid_depth) {
                         ": a tile has 4 to 1024 voxels a side and a grid at most 1024 tiles");
     return tile_depth;
 }
-
-}  // namespace
 
 TriangleSource::TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
     : mesh_(scene, grid),

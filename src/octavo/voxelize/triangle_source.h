@@ -17,6 +17,9 @@
 
 namespace octavo {
 
+/// The tile depth, if it suits the grid. @throws Error bad_argument where it does not
+[[nodiscard]] int checked_tile_depth(int tile_depth, int grid_depth);
+
 /// A scene's triangles as voxels. Each triangle is sorted once into the tiles that it meets.
 ///
 /// Memory: 16 bytes for each position of the scene, 8 for each pair of a triangle and a tile that

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "bench_triangles.h"
+#include "triangle_tracer.h"
 
 #include "octavo/core/error.h"
 

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "remote_picture.h"
+
+#include <png.h>
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "light_arguments.h"
+#include "octavo/render/tone_map.h"
+#include "octavo/trace/trace.h"
+
+namespace octavo::cli {
+namespace {
+
+constexpr int kMostSide = 4096;
+constexpr std::size_t kMostPages = 256;
+
+/// The frames of one wish: each costs some times the one before.
+struct Stage {
+    int divisor;  // of the picture's sides
+    int samples;
+    int ao_samples;
+    int shadow_samples;
+    int jpeg_quality;  // 0: PNG
+};
+constexpr Stage kStages[] = {
+    {4, 1, 4, 1, 70}, {1, 1, 8, 2, 85}, {1, 4, 16, 4, 92}, {1, 16, 64, 16, 0}};
+
+using Json = nlohmann::json;
+
+dvec3 read_vec3(const Json& json, const char* key) {
+    const Json& list = json.at(key);
+    if (!list.is_array() || list.size() != 3)
+        throw Error(Errc::bad_argument, std::string(key) + " does not have three numbers");
+    return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+}
+
+std::vector<std::uint8_t> rgb_of(const Image& image, double exposure) {
+    const float scale = static_cast<float>(std::exp2(exposure));
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(3 * image.color.size());
+    for (const vec3& color : image.color)
+        for (const std::uint8_t byte : tone_map(color, scale)) bytes.push_back(byte);
+    return bytes;
+}
+
+std::string encode_jpeg(const Image& image, double exposure, int quality) {
+    const std::vector<std::uint8_t> rgb = rgb_of(image, exposure);
+    const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
+    unsigned char* bytes = nullptr;
+    unsigned long size = 0;
+    const int failed = tjCompress2(encoder.get(), rgb.data(), image.width, 0, image.height,
+                                   TJPF_RGB, &bytes, &size, TJSAMP_444, quality, TJFLAG_FASTDCT);
+    const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(bytes, tjFree);
+    if (failed != 0) throw Error(Errc::limit, "the picture cannot be encoded as JPEG");
+    return {reinterpret_cast<const char*>(bytes), size};
+}
+
+std::string encode_png(const Image& image, double exposure) {
+    const std::vector<std::uint8_t> rgb = rgb_of(image, exposure);
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = static_cast<png_uint_32>(image.width);
+    png.height = static_cast<png_uint_32>(image.height);
+    png.format = PNG_FORMAT_RGB;
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::string bytes(size, '\0');
+    if (png_image_write_to_memory(&png, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0)
+        throw Error(Errc::limit, std::string("the picture cannot be encoded: ") + png.message);
+    bytes.resize(size);
+    return bytes;
+}
+
+std::string with_length(const std::string& bytes) {
+    std::string framed;
+    for (std::size_t shift = 0; shift < 32; shift += 8)
+        framed += static_cast<char>(bytes.size() >> shift & 0xff);
+    return framed + bytes;
+}
+
+void refuse(httplib::Response& response, const char* why) {
+    response.status = 400;
+    response.set_content(why, "text/plain; charset=utf-8");
+}
+
+}  // namespace
+
+RemotePicture::RemotePicture(Model model) : model_(std::move(model)) {
+    bounds_ = content_bounds(model_.dag, model_.grid());
+    if (bounds_.empty()) bounds_ = model_.grid().bounds();
+}
+
+nlohmann::json RemotePicture::config() const {
+    const auto list = [](const dvec3& v) { return Json::array({v.x, v.y, v.z}); };
+    return {{"url", "render"},
+            {"pick", "pick"},
+            {"low", list(bounds_.low)},
+            {"high", list(bounds_.high)}};
+}
+
+RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
+    const Json json = Json::parse(body);
+    Wish wish;
+    wish.page = json.at("page").get<std::string>();
+    wish.number = json.at("number").get<std::uint64_t>();
+    wish.exposure = json.at("exposure").get<double>();
+    if (wish.page.size() > 64 || !(std::abs(wish.exposure) <= 32.0))
+        throw Error(Errc::bad_argument, "out of range");
+
+    RenderOptions& options = wish.options;
+    options.width = json.at("width").get<int>();
+    options.height = json.at("height").get<int>();
+    if (options.width < 1 || options.width > kMostSide || options.height < 1 ||
+        options.height > kMostSide)
+        throw Error(Errc::bad_argument, "a picture's sides are 1 to 4096 pixels");
+    options.up = read_vec3(json, "up");
+    const dvec3 eye = read_vec3(json, "eye");
+    options.camera =
+        look_at(eye, eye + read_vec3(json, "forward"), options.up, json.at("fov").get<double>());
+    const std::string shadows = json.at("shadows").get<std::string>();
+    options.shadows = shadows == "none"   ? Shadows::none
+                      : shadows == "hard" ? Shadows::hard
+                                          : Shadows::soft;
+    options.ao_samples = json.at("ambient").get<bool>() ? 1 : 0;
+    options.ao_radius = json.at("reach").get<double>();
+    options.smooth_normals = json.at("smooth").get<bool>();
+
+    const auto light = json.at("light").get<std::int64_t>();
+    const std::vector<Light>& stored = model_.metadata.lights;
+    if (light >= 0 && static_cast<std::uint64_t>(light) < stored.size()) {
+        options.lights = {balanced(stored, bounds_)[static_cast<std::size_t>(light)]};
+    } else {
+        Light sun = sun_at(json.at("azimuth").get<double>(), json.at("elevation").get<double>(),
+                           options.up);
+        sun.size = json.at("size").get<double>();
+        options.lights = {sun};
+    }
+    return wish;
+}
+
+bool RemotePicture::is_wanted(const Wish& wish) {
+    if (stopped_) return false;
+    const std::lock_guard lock(wishes_mutex_);
+    const auto found = newest_.find(wish.page);
+    return found == newest_.end() || found->second <= wish.number;
+}
+
+void RemotePicture::render(const std::string& body, httplib::Response& response) {
+    auto wish = std::make_shared<Wish>();
+    try {
+        *wish = parse(body);
+    } catch (const std::exception& error) {
+        return refuse(response, error.what());
+    }
+    {
+        const std::lock_guard lock(wishes_mutex_);
+        if (newest_.size() >= kMostPages) newest_.clear();
+        std::uint64_t& newest = newest_[wish->page];
+        newest = std::max(newest, wish->number);
+    }
+    wish->options.progress = [this, wish = wish.get()](const Progress&) {
+        return is_wanted(*wish);
+    };
+    response.set_chunked_content_provider(
+        "application/octet-stream", [this, wish](std::size_t, httplib::DataSink& sink) {
+            try {
+                for (const Stage& stage : kStages) {
+                    const std::lock_guard one_at_a_time(drawing_);
+                    if (!is_wanted(*wish)) break;
+                    RenderOptions options = wish->options;
+                    options.width = std::max(1, options.width / stage.divisor);
+                    options.height = std::max(1, options.height / stage.divisor);
+                    options.samples = stage.samples;
+                    options.ao_samples *= stage.ao_samples;
+                    options.shadow_samples = stage.shadow_samples;
+                    const Image image = octavo::render(model_.dag, model_.grid(), options);
+                    const std::string frame =
+                        stage.jpeg_quality > 0
+                            ? encode_jpeg(image, wish->exposure, stage.jpeg_quality)
+                            : encode_png(image, wish->exposure);
+                    const std::string framed = with_length(frame);
+                    if (!sink.write(framed.data(), framed.size())) return false;
+                }
+            } catch (const Error& error) {
+                if (error.code() != Errc::cancelled) return false;
+            }
+            sink.done();
+            return true;
+        });
+}
+
+void RemotePicture::pick(const std::string& body, httplib::Response& response) const {
+    Ray ray;
+    try {
+        const Json json = Json::parse(body);
+        ray.origin = read_vec3(json, "eye");
+        ray.direction = read_vec3(json, "direction");
+    } catch (const std::exception& error) {
+        return refuse(response, error.what());
+    }
+    Json answer;
+    if (const Hit hit = trace_closest(model_.dag, model_.grid(), ray))
+        answer = {{"path", {hit.path.x, hit.path.y, hit.path.z}},
+                  {"height", model_.grid().depth - hit.level},
+                  {"face", static_cast<int>(hit.face)},
+                  {"time", hit.t}};
+    response.set_content(answer.dump(), "application/json");
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// What the reader accepts must bear everything that one can do with it.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "harness.h"
+#include "octavo/io/octv.h"
+#include "octavo/io/validate.h"
+#include "octavo/render/render.h"
+#include "octavo/trace/dag_view.h"
+#include "octavo/trace/trace.h"
+
+namespace octavo::fuzz {
+namespace {
+
+void require(bool condition, const char* promise) {
+    if (condition) return;
+    std::fprintf(stderr, "broken: %s\n", promise);
+    std::abort();
+}
+
+/// A file in memory that has a name, as the readers want one.
+class NamedBytes {
+public:
+    explicit NamedBytes(Bytes bytes) : descriptor_(memfd_create("octavo", 0)) {
+        require(descriptor_ >= 0 && write(descriptor_, bytes.data(), bytes.size()) ==
+                                        static_cast<ssize_t>(bytes.size()),
+                "memory for the test itself");
+    }
+    ~NamedBytes() { close(descriptor_); }
+    NamedBytes(const NamedBytes&) = delete;
+    NamedBytes& operator=(const NamedBytes&) = delete;
+    [[nodiscard]] std::filesystem::path path() const {
+        return "/proc/self/fd/" + std::to_string(descriptor_);
+    }
+
+private:
+    int descriptor_;
+};
+
+/// A ray crosses at most 3 N planes and goes down, and up again, at most the depth for each.
+void trace_with_bound(const Dag& dag, const dvec3& origin, const dvec3& direction) {
+    const dvec3 cell = glm::floor(origin);
+    const shared::GridRay ray{.cell = ivec3(cell),
+                              .frac = vec3(origin - cell),
+                              .dir = vec3(direction),
+                              .t_min = 0.0f,
+                              .t_max = 1e30f};
+    const shared::GridHit hit = shared::trace_closest(shared::view(dag), ray, {0, 0.0f, 0.0f});
+    const auto bound = (3.0 * dag.resolution() + 1.0) * (2.0 * dag.depth());
+    require(hit.steps <= bound, "a ray takes at most 6 N depth steps");
+    if (hit.face != shared::kFaceNone)
+        require(dag.voxel(hit.path), "what a ray hits is a voxel of the DAG");
+}
+
+void trace_some(const Model& model) {
+    const Dag& dag = model.dag;
+    const double n = dag.resolution();
+    for (const dvec3& from : {dvec3(-1.0), dvec3(n + 1.0, 0.3 * n, -2.0), dvec3(0.5 * n)}) {
+        for (const dvec3& to : {dvec3(0.5 * n), dvec3(n, 0.0, n), dvec3(0.1, 0.9, 0.4) * n}) {
+            const dvec3 direction = to - from;
+            if (glm::length(direction) == 0.0) continue;
+            trace_with_bound(dag, from, glm::normalize(direction));
+            const Hit hit = trace_closest(dag, {.origin = from, .direction = direction});
+            require(
+                static_cast<bool>(hit) == trace_any(dag, {.origin = from, .direction = direction}),
+                "any hit and closest hit agree");
+            if (hit)
+                (void)leave_hit(dag, {.origin = from, .direction = direction}, hit, -direction);
+        }
+    }
+}
+
+void render_small(const Model& model) {
+    const Box box = content_bounds(model.dag, model.grid());
+    require(box.empty() == model.dag.empty(), "bounds are empty where there are no voxels");
+    RenderOptions options;
+    options.width = options.height = 8;
+    options.shadow_samples = 1;
+    options.ao_samples = 1;
+    options.samples = 1;
+    options.threads = 1;
+    try {
+        (void)render(model.dag, model.grid(), options);
+        if (model.metadata.cameras.empty()) return;
+        options.camera = model.metadata.cameras.front();
+        if (!model.metadata.lights.empty()) options.light = model.metadata.lights.front();
+        (void)render(model.dag, model.grid(), options);
+    } catch (const Error& error) {
+        // A camera of the file may be one that no picture can be taken with.
+        require(error.code() == Errc::bad_argument || error.code() == Errc::limit,
+                "rendering fails for arguments only");
+    }
+}
+
+}  // namespace
+
+void run_octv(Bytes bytes) {
+    const NamedBytes file(bytes);
+    const std::uint64_t limit = std::uint64_t{1} << 26;
+    const Validation validation =
+        validate_octv(file.path(), {.strict = true, .max_dag_bytes = limit});
+    const Validation lenient = validate_octv(file.path(), {.max_dag_bytes = limit});
+    require(!validation.valid() || lenient.valid(), "strict is stricter");
+    require(validation.findings.size() <= 100, "at most 100 findings");
+
+    Model model;
+    bool accepted = true;
+    try {
+        model = read_octv(file.path(), {.max_dag_bytes = limit});
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_input || error.code() == Errc::unsupported ||
+                    error.code() == Errc::limit,
+                "what is wrong with a file is bad input, unsupported or a limit");
+        accepted = false;
+    }
+    require(accepted || !lenient.valid(), "what validate accepts can be read");
+    for (const Finding& finding : lenient.findings)
+        require(!accepted || finding.code == "octree-count" || finding.code == "section-checksum",
+                "what can be read has no other findings");
+    if (!accepted) return;
+    if (lenient.valid())
+        require(compute_statistics(model.dag).voxels == model.metadata.statistics.voxels,
+                "voxels are as many as stated");
+    require(encode_metadata(decode_metadata(encode_metadata(model.metadata))) ==
+                encode_metadata(model.metadata),
+            "metadata survives");
+    trace_some(model);
+    render_small(model);
+}
+
+void run_metadata(Bytes bytes) {
+    try {
+        const Metadata metadata =
+            decode_metadata({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        const std::string again = encode_metadata(metadata);
+        require(encode_metadata(decode_metadata(again)) == again, "metadata survives");
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_input, "bad metadata is bad input");
+    }
+}
+
+}  // namespace octavo::fuzz

@@ -1,0 +1,20 @@
+# Runs the tests of web/ in one folder of them: cmake -D WEB=... -D NPM=... -D SET=unit -P web_test.cmake
+# Prints SKIP, which ctest takes for a skipped test, where the page or a browser is missing.
+if(NOT EXISTS ${WEB}/node_modules/.octavo-lock)
+    message("SKIP: the packages of web/ are not there")
+    return()
+endif()
+if(SET STREQUAL "browser")
+    find_program(browser NAMES chromium chromium-browser google-chrome)
+    if(NOT browser)
+        message("SKIP: there is no Chromium")
+        return()
+    endif()
+    set(ENV{OCTAVO_COMMAND} ${OCTAVO_COMMAND})
+    set(ENV{CHROMIUM} ${browser})
+endif()
+execute_process(COMMAND ${NPM} exec -- vitest run --dir tests/${SET} WORKING_DIRECTORY ${WEB}
+                RESULT_VARIABLE failed)
+if(failed)
+    message(FATAL_ERROR "vitest: ${failed}")
+endif()

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+//
+// Puts the programs together from the library's shared text and this backend's parts.
+import sharedText from '../../../src/octavo/trace/shared_text.h?raw';
+import traverse from '../../../src/octavo/trace/traverse.h?raw';
+import beams from '../../../src/octavo/trace/beam.h?raw';
+import sampling from '../../../src/octavo/render/sampling.h?raw';
+import ambientOcclusion from '../../../src/octavo/render/ambient_occlusion.h?raw';
+import shadow from '../../../src/octavo/render/shadow.h?raw';
+import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
+import surface from '../../../src/octavo/render/surface.h?raw';
+import smoothNormal from '../../../src/octavo/render/smooth_normal.h?raw';
+import shading from '../../../src/octavo/render/shade.h?raw';
+import dag from '../shaders/dag.glsl?raw';
+import view from '../shaders/view.glsl?raw';
+import beamMain from '../shaders/beam.frag?raw';
+import hit from '../shaders/hit.glsl?raw';
+import sample from '../shaders/sample.glsl?raw';
+import primaryMain from '../shaders/primary.frag?raw';
+import keepVertex from '../shaders/keep.vert?raw';
+import keepMain from '../shaders/keep.frag?raw';
+import normalMain from '../shaders/normal.frag?raw';
+import shadeMain from '../shaders/shade.frag?raw';
+import pickMain from '../shaders/pick.frag?raw';
+import presentMain from '../shaders/present.frag?raw';
+
+const kVersion = '#version 300 es\n';
+const kPrecision = `precision highp float;
+precision highp int;
+precision highp usampler2DArray;
+`;
+
+export const kVertexText = `${kVersion}void main() {
+    gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}
+`;
+
+const kTrace = [sharedText, dag, traverse, beams, sampling, cameraRay, surface, hit, view, sample];
+
+/** @param rowBits  of dag.glsl */
+function assemble(rowBits: number, parts: string[]): string {
+    return `${kVersion}#define ROW_BITS ${rowBits}\n${kPrecision}${parts.join('\n')}`;
+}
+
+export function primaryText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, primaryMain]);
+}
+
+export function normalText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, sampling, surface, smoothNormal, hit, normalMain]);
+}
+
+export function keepVertexText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, sampling, hit, keepVertex]);
+}
+export function keepText(): string {
+    return `${kVersion}${kPrecision}${keepMain}`;
+}
+
+export function shadeText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, shading, shadeMain]);
+}
+
+export function beamText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, beamMain]);
+}
+
+export function pickText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, pickMain]);
+}
+
+export function presentText(): string {
+    return kVersion + presentMain;
+}

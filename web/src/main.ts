@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: MIT
+import './style.css';
+import { App } from './app';
+
+new App();

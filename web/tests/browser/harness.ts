@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+//
+// The page in headless Chromium, on scenes that the octavo command makes. Needs OCTAVO_COMMAND, the
+// path of that command, and Chromium.
+import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import http from 'node:http';
+import type { AddressInfo } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import pixelmatch from 'pixelmatch';
+import { type Browser, type BrowserContext, type Page, chromium } from 'playwright-core';
+import { PNG } from 'pngjs';
+
+export const command = process.env.OCTAVO_COMMAND ?? '';
+const chromiumPath = [process.env.CHROMIUM ?? '', '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(
+    (path) => path !== '' && existsSync(path),
+);
+export const folder = mkdtempSync(join(tmpdir(), 'octavo-web-'));
+
+export function octavo(...words: string[]): void {
+    execFileSync(command, words, { stdio: ['ignore', 'ignore', 'inherit'] });
+}
+
+/** The built-in courtyard, small enough for a processor to draw. */
+export function courtyard(): string {
+    const file = join(folder, 'courtyard.octv');
+    if (!existsSync(file)) octavo('build', 'sample:courtyard', '-o', file, '-r', '64', '--quiet');
+    return file;
+}
+
+let browser: Browser | undefined;
+const servers: (() => void)[] = [];
+const contexts: BrowserContext[] = [];
+
+export async function startBrowser(): Promise<void> {
+    if (!chromiumPath) throw new Error('There is no Chromium');
+    browser = await chromium.launch({
+        executablePath: chromiumPath,
+        args: [
+            '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+            '--disable-component-update', '--disable-sync', '--enable-unsafe-swiftshader',
+        ],
+    });
+}
+
+export async function closePages(): Promise<void> {
+    for (const context of contexts.splice(0)) await context.close();
+    for (const stop of servers.splice(0)) stop();
+}
+
+export async function stopBrowser(): Promise<void> {
+    await browser?.close();
+    rmSync(folder, { recursive: true });
+}
+
+/** Runs `octavo view` until the end of the test. @returns its address */
+export async function view(file: string, ...more: string[]): Promise<string> {
+    const child: ChildProcess = spawn(command, ['view', file, '--no-open', ...more], { stdio: ['ignore', 'pipe', 'inherit'] });
+    servers.push(() => child.kill('SIGINT'));
+    return new Promise((resolve, reject) => {
+        let text = '';
+        child.stdout!.on('data', (piece: Buffer) => {
+            text += piece.toString();
+            if (text.includes('\n')) resolve(text.trim());
+        });
+        child.on('exit', () => reject(new Error('octavo view has ended')));
+    });
+}
+
+/** A file server that knows nothing of ranges. @param slow  bytes a millisecond */
+export async function serveFolder(root: string, slow?: number): Promise<string> {
+    const server = http.createServer(async (request, response) => {
+        const path = join(root, request.url === '/' ? 'index.html' : request.url!);
+        if (!existsSync(path)) return response.writeHead(404).end();
+        const bytes = readFileSync(path);
+        response.writeHead(200, {
+            'Content-Type': path.endsWith('.html') ? 'text/html' : 'application/octet-stream',
+            'Content-Length': bytes.length,
+        });
+        const piece = path.endsWith('.octv') && slow ? slow * 50 : bytes.length;
+        for (let at = 0; at < bytes.length; at += piece) {
+            response.write(bytes.subarray(at, at + piece));
+            if (piece < bytes.length) await new Promise((resolve) => setTimeout(resolve, 50));
+        }
+        return response.end();
+    });
+    await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+    servers.push(() => server.close());
+    return `http://127.0.0.1:${(server.address() as AddressInfo).port}/`;
+}
+
+export interface Opened {
+    page: Page;
+    faults: string[]; // errors that the page did not handle
+}
+
+/** Settings that a processor can draw. */
+export const quick = 'smooth=0&samples=2&scale=25';
+
+export async function open(url: string, width = 800, height = 440, script?: string): Promise<Opened> {
+    const context = await browser!.newContext({ viewport: { width, height }, acceptDownloads: true, hasTouch: true });
+    contexts.push(context);
+    const page = await context.newPage();
+    const faults: string[] = [];
+    page.on('pageerror', (error) => faults.push(error.message));
+    page.on('console', (message) => {
+        if (message.type() === 'error') faults.push(message.text());
+    });
+    if (script) await page.addInitScript(script);
+    await page.goto(url);
+    return { page, faults };
+}
+
+/** Waits until the picture is as good as it gets. */
+export async function rest(page: Page): Promise<void> {
+    await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'drawing', undefined, { timeout: 1000 }).catch(() => {});
+    await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'finished', undefined, { timeout: 110000 });
+}
+
+/** What the Picture button saves. */
+export async function saved(page: Page): Promise<PNG> {
+    const coming = page.waitForEvent('download');
+    await page.evaluate(() => document.querySelector<HTMLElement>('#screenshot')!.click());
+    return PNG.sync.read(readFileSync((await (await coming).path())!));
+}
+
+export interface Difference {
+    pixels: number; // part of them that differ by more than the eye forgives
+    mean: number; // of the colours, 0 to 255
+}
+
+export function difference(a: PNG, b: PNG): Difference {
+    if (a.width !== b.width || a.height !== b.height) throw new Error(`${a.width}x${a.height} against ${b.width}x${b.height}`);
+    const pixels = pixelmatch(a.data, b.data, undefined, a.width, a.height, { threshold: 0.1, includeAA: true });
+    let sum = 0;
+    for (let i = 0; i < a.data.length; i += 1) sum += Math.abs(a.data[i]! - b.data[i]!);
+    return { pixels: pixels / (a.width * a.height), mean: sum / (3 * a.width * a.height) };
+}
