@@ -2,8 +2,8 @@
 //
 // What does light cost when something changes? usage: bench_light FILE.octv [RAYS [BOUNCES]]
 //
-// Lights the cells by a sun, the clear sky and a hundred weak point lamps, then moves the sun, then one
-// lamp. Prints sides of cells, rays and processor seconds.
+// Lights the cells by a sun, the clear sky and a hundred weak point lamps, then moves the sun, then
+// one lamp. Prints sides of cells, rays and processor seconds.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -27,8 +27,8 @@ void measure(const char* what, const Work& work) {
     const double start = processor_seconds();
     const LightReport report = work();
     const double seconds = processor_seconds() - start;
-    std::printf("%-16s sides %10llu  done %10llu  rays %11llu  %8.2f s  %6.2f Mrays/s and core\n", what,
-                static_cast<unsigned long long>(report.sides),
+    std::printf("%-16s sides %10llu  done %10llu  rays %11llu  %8.2f s  %6.2f Mrays/s and core\n",
+                what, static_cast<unsigned long long>(report.sides),
                 static_cast<unsigned long long>(report.sides_done),
                 static_cast<unsigned long long>(report.rays), seconds,
                 static_cast<double>(report.rays) / seconds / 1e6);

@@ -13,10 +13,12 @@ namespace {
 class LitFile : public testing::Test {
 protected:
     LitFile() {
-        const Outcome built = run("build sample:courtyard -o a.octv --resolution 32 -q "
-                                  "--attributes color,emission --attribute-resolution 16");
+        const Outcome built =
+            run("build sample:courtyard -o a.octv --resolution 32 -q "
+                "--attributes color,emission --attribute-resolution 16");
         EXPECT_EQ(built.code, 0) << built.err;
-        const Outcome lit = run("light a.octv --sun 30,60 --sky color:1,1,1 --rays 4 --bounces 1 -q");
+        const Outcome lit =
+            run("light a.octv --sun 30,60 --sky color:1,1,1 --rays 4 --bounces 1 -q");
         EXPECT_EQ(lit.code, 0) << lit.err;
     }
     [[nodiscard]] Outcome run(const std::string& arguments) const {
@@ -68,8 +70,8 @@ TEST_F(LitFile, ASceneOfSeveralIsRendered) {
 
 TEST_F(LitFile, SceneFilesThatAreWrongAreNamed) {
     for (const char* text :
-         {"", "[]", "{}", R"({"objects":[]})", R"({"objects":[{}]})",
-          R"({"objects":[{"file":7}]})", R"({"objects":[{"file":"a.octv","scale":0}]})",
+         {"", "[]", "{}", R"({"objects":[]})", R"({"objects":[{}]})", R"({"objects":[{"file":7}]})",
+          R"({"objects":[{"file":"a.octv","scale":0}]})",
           R"({"objects":[{"file":"a.octv","colour":1}]})",
           R"({"objects":[{"file":"a.octv","position":[1,2]}]})",
           R"({"objects":[{"file":"a.octv"}],"lights":3})"}) {
@@ -84,8 +86,7 @@ TEST_F(LitFile, WrongArgumentsAreRefused) {
     for (const char* arguments :
          {"light a.octv --sky blue -q", "light a.octv --bounces 9 -q",
           "light a.octv --sky color:1,2 -q", "light a.octv --sky clear:turn=3 -q",
-          "render a.octv -o b.png --gi backwards -q",
-          "render a.octv -o b.png --gi --no-color -q"})
+          "render a.octv -o b.png --gi backwards -q", "render a.octv -o b.png --gi --no-color -q"})
         EXPECT_EQ(run(arguments).code, 2) << arguments;
     EXPECT_EQ(run("build sample:courtyard -o plain.octv --resolution 32 -q").code, 0);
     EXPECT_EQ(run("light plain.octv -q").code, 2);

@@ -16,9 +16,8 @@ namespace {
 Model lit_model() {
     LitScene scene;
     const Dag dag = test::sealed_box(4, 5.3, 0.0, 1.0);
-    scene.objects.push_back({.dag = dag,
-                             .grid = test::unit_grid(4),
-                             .attributes = test::grey(dag, 4, 200)});
+    scene.objects.push_back(
+        {.dag = dag, .grid = test::unit_grid(4), .attributes = test::grey(dag, 4, 200)});
     scene.lights.push_back(sun_at(0.3, 0.8));
     light_cells(scene, {.bounces = 1, .around_rays = 4});
     BuildResult built;
@@ -43,7 +42,8 @@ TEST(LightInAFile, ComesBackAsItWas) {
         ASSERT_TRUE(read.metadata.light);
         EXPECT_EQ(read.metadata.light->sky, "none");
         ASSERT_EQ(read.metadata.light->lights.size(), 1u);
-        EXPECT_EQ(read.metadata.light->lights[0].direction, model.metadata.light->lights[0].direction);
+        EXPECT_EQ(read.metadata.light->lights[0].direction,
+                  model.metadata.light->lights[0].direction);
         EXPECT_EQ(read_octv_summary(folder / "lit.octv").light_bytes,
                   model.light.words().size_bytes());
     }

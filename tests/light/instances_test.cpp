@@ -104,8 +104,7 @@ protected:
         scene.lights[0].size = 0.0;
     }
     [[nodiscard]] float floor_at(const dvec3& point, Lighting lighting) const {
-        RenderOptions options =
-            test::small_picture(point + dvec3(0.0, 5.0, 2.0), point, 4);
+        RenderOptions options = test::small_picture(point + dvec3(0.0, 5.0, 2.0), point, 4);
         options.ao_samples = 32;
         const Image image = render_lit(scene, lighting, options);
         return image.color[image.index(16, 12)].g;
@@ -130,8 +129,7 @@ TEST_F(FloorAndPlate, AMovedObjectIsLitAnewAndNothingElse) {
     const std::vector<std::uint32_t> before(scene.objects[0].light.words().begin(),
                                             scene.objects[0].light.words().end());
     const float shaded = floor_at({32, 3, 32}, Lighting::gathered);
-    const LightReport report =
-        lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(4, 12, 4)));
+    const LightReport report = lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(4, 12, 4)));
     EXPECT_EQ(report.cells, scene.objects[1].attributes.cells().count());
     EXPECT_TRUE(std::ranges::equal(before, scene.objects[0].light.words()));
     // Rays know at once where it is.
