@@ -272,10 +272,11 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
             "there is much detail; 0: never")
         ->type_name("DEGREES")
         ->check(within(0.0, 90.0));
-    .add_option("--sky", arguments.sky,
-                "clear (the default), none, color:R,G,B, "
-                "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
-                "with :power=FACTOR, a picture also with :turn=DEGREES")
+    command
+        .add_option("--sky", arguments.sky,
+                    "clear (the default), none, color:R,G,B, "
+                    "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
+                    "with :power=FACTOR, a picture also with :turn=DEGREES")
         ->type_name("SKY");
     CLI::Option* gi =
         command
