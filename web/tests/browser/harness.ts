@@ -98,7 +98,7 @@ export interface Opened {
 /** Settings that a processor can draw. */
 export const quick = 'smooth=0&samples=2&scale=25';
 
-export async function open(url: string, width = 800, height = 440, script?: string): Promise<Opened> {
+export async function open(url: string, width = 800, height = 240, script?: string): Promise<Opened> {
     const context = await browser!.newContext({ viewport: { width, height }, acceptDownloads: true, hasTouch: true });
     contexts.push(context);
     const page = await context.newPage();

@@ -13,8 +13,8 @@ afterAll(stopBrowser);
 const kCamera = { eye: [-14.1, 2.7, 1.8], azimuth: 100.2, elevation: 2, distance: 20 }; // in the court
 const kLook = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45&light=-1&sun=-30&height=50`;
 
-async function shown(fragment = quick): Promise<Opened> {
-    const opened = await open(`${await view(courtyard())}#${fragment}`);
+async function shown(fragment = quick, height = 240): Promise<Opened> {
+    const opened = await open(`${await view(courtyard())}#${fragment}`, 800, height);
     await rest(opened.page);
     return opened;
 }
@@ -122,7 +122,7 @@ describe('controls', () => {
     });
 
     it('move the camera by mouse, wheel, keys and fingers', async () => {
-        const { page, faults } = await shown(`${kLook}&${quick}`);
+        const { page, faults } = await shown(`${kLook}&${quick}`, 440);
         let before = await link(page);
         const moves = async (what: string, act: () => Promise<unknown>): Promise<URLSearchParams> => {
             await act();
@@ -175,7 +175,7 @@ describe('controls', () => {
     });
 
     it('read the voxel that is clicked', async () => {
-        const { page } = await shown(`${kLook}&${quick}`);
+        const { page } = await shown(`${kLook}&${quick}`, 440);
         await page.mouse.click(250, 260);
         await page.locator('#voxel').waitFor();
         const facts = await text(page, '#voxel-facts');
@@ -202,7 +202,7 @@ describe('controls', () => {
 describe('a link', () => {
     it('brings back the picture', async () => {
         const { page } = await shown(quick);
-        await page.mouse.move(300, 200);
+        await page.mouse.move(300, 120);
         await page.mouse.wheel(0, -400);
         await set(page, 'sunAzimuth', 120);
         await page.locator('#copy-link').click();
@@ -289,7 +289,7 @@ describe('the machine', () => {
 
     it('may lack WebGL 2, which is said', async () => {
         const none = 'const get = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind === "webgl2" ? null : get.call(this, kind, ...more); };';
-        const { page, faults } = await open(await view(courtyard()), 800, 440, none);
+        const { page, faults } = await open(await view(courtyard()), 800, 240, none);
         expect(await text(page, '#notice-title')).toMatch(/no WebGL 2/);
         expect(faults).toEqual([]);
     });
