@@ -2,9 +2,10 @@
 //
 // How much do two pictures differ? usage: compare_images A.exr B.exr [EXPOSURE]
 //
-// Root mean square of linear light, as it is and as a part of the reference's mean (B is the reference), and
-// FLIP of the tone-mapped pictures: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild,
-// "FLIP: A Difference Evaluator for Alternating Images", HPG 2020. As there, for 67 pixels a degree.
+// Root mean square of linear light, as it is and as a part of the reference's mean (B is the
+// reference), and FLIP of the tone-mapped pictures: Andersson, Nilsson, Akenine-Moeller, Oskarsson,
+// Astroem, Fairchild, "FLIP: A Difference Evaluator for Alternating Images", HPG 2020. As there,
+// for 67 pixels a degree.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,10 +72,11 @@ float distance(const vec3& a, const vec3& b) {  // HyAB, with the paper's expone
 
 /// The eye's sensitivity to contrast: sums of two Gaussians for each channel.
 Plane blur(const Plane& in) {
-    constexpr std::array<std::array<float, 4>, 3> kTerms = {
-        {{1.0f, 0.0047f, 0.0f, 1e-5f}, {1.0f, 0.0053f, 0.0f, 1e-5f}, {34.1f, 0.04f, 13.5f, 0.025f}}};
-    const int radius =
-        static_cast<int>(std::ceil(3.0f * std::sqrt(0.04f / (2.0f * kPi * kPi)) * kPixelsPerDegree));
+    constexpr std::array<std::array<float, 4>, 3> kTerms = {{{1.0f, 0.0047f, 0.0f, 1e-5f},
+                                                             {1.0f, 0.0053f, 0.0f, 1e-5f},
+                                                             {34.1f, 0.04f, 13.5f, 0.025f}}};
+    const int radius = static_cast<int>(
+        std::ceil(3.0f * std::sqrt(0.04f / (2.0f * kPi * kPi)) * kPixelsPerDegree));
     const auto side = static_cast<std::size_t>(2 * radius + 1);
     std::vector<vec3> weights(side * side);
     vec3 sum(0.0f);
@@ -82,8 +84,8 @@ Plane blur(const Plane& in) {
         for (int x = -radius; x <= radius; ++x) {
             vec3& w = weights[static_cast<std::size_t>(y + radius) * side +
                               static_cast<std::size_t>(x + radius)];
-            const float square = static_cast<float>(x * x + y * y) /
-                                 (kPixelsPerDegree * kPixelsPerDegree);
+            const float square =
+                static_cast<float>(x * x + y * y) / (kPixelsPerDegree * kPixelsPerDegree);
             for (int c = 0; c < 3; ++c) {
                 const auto& t = kTerms[static_cast<std::size_t>(c)];
                 w[c] = t[0] * std::sqrt(kPi / t[1]) * std::exp(-kPi * kPi * square / t[1]) +
@@ -154,9 +156,9 @@ double flip(const Plane& a, const Plane& b) {
     for (int y = 0; y < a.height; ++y)
         for (int x = 0; x < a.width; ++x, ++i) {
             const vec3 none(0.0f), all(1.0f);
-            float color = distance(
-                to_hunt_lab(glm::clamp(from_opponents(seen_a.values[i]), none, all)),
-                to_hunt_lab(glm::clamp(from_opponents(seen_b.values[i]), none, all)));
+            float color =
+                distance(to_hunt_lab(glm::clamp(from_opponents(seen_a.values[i]), none, all)),
+                         to_hunt_lab(glm::clamp(from_opponents(seen_b.values[i]), none, all)));
             const float knee = 0.4f * most;
             color = color < knee ? 0.95f / knee * color
                                  : 0.95f + (color - knee) / (most - knee) * 0.05f;

@@ -92,7 +92,7 @@ void render_small(const Model& model) {
         (void)render(model.dag, model.grid(), options);
         if (model.metadata.cameras.empty()) return;
         options.camera = model.metadata.cameras.front();
-        if (!model.metadata.lights.empty()) options.light = model.metadata.lights.front();
+        options.lights = model.metadata.lights;
         (void)render(model.dag, model.grid(), options);
     } catch (const Error& error) {
         // A camera of the file may be one that no picture can be taken with.

@@ -115,9 +115,8 @@ std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful) {
     Random random(seed);
     const int depth = 2 + static_cast<int>(random.below(16));
     const int leaf_level = depth - 2;
-    std::vector<std::uint32_t> counts;  // of nodes, by level
-    for (int level = 0; level <= leaf_level; ++level)
-        counts.push_back(level == 0 ? 1 : 1 + random.below(6));
+    // Nodes by level: no more than pointers lead there, so that each gets one.
+    std::vector<std::uint32_t> counts = {1};
 
     // Masks first, as they decide where everything lies.
     std::vector<std::vector<std::uint32_t>> masks(static_cast<std::size_t>(leaf_level));
@@ -133,6 +132,8 @@ std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful) {
             at.push_back(static_cast<std::uint32_t>(word));
             word += static_cast<std::uint64_t>(node_words(mask));
         }
+        const std::uint64_t pointers = word - begins.back() - at.size();
+        counts.push_back(1 + random.below(std::min<std::uint64_t>(6, pointers)));
         node_words_of_level.push_back(at);
     }
     begins.push_back(word);
@@ -146,10 +147,12 @@ std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful) {
     std::vector<std::uint32_t> words;
     for (int level = 0; level < leaf_level; ++level) {
         const auto& targets = node_words_of_level[static_cast<std::size_t>(level) + 1];
+        std::size_t pointer = 0;
         for (const std::uint32_t mask : masks[static_cast<std::size_t>(level)]) {
             words.push_back(mask);
             for (int i = 1; i < node_words(mask); ++i)
-                words.push_back(targets[random.below(targets.size())]);
+                words.push_back(pointer < targets.size() ? targets[pointer++]
+                                                         : targets[random.below(targets.size())]);
         }
     }
     for (std::uint32_t i = 0; i < counts.back(); ++i) {
@@ -160,7 +163,7 @@ std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful) {
         words.push_back(static_cast<std::uint32_t>(leaf >> 32));
     }
     Statistics statistics = compute_statistics(Dag(depth, begins, words));
-    if (!truthful) statistics.voxels = random.below(1000);
+    if (!truthful) statistics.voxels = random.below(64);
     return file_of(depth, begins, words, statistics);
 }
 

@@ -34,23 +34,23 @@ struct SceneCamera {
 
 /// What a scene file says; docs/lighting.md has its keys.
 struct SceneFile {
-    LitScene scene;                       // objects, with the light that their files have
-    std::vector<Model> models;            // of the objects, in their order
-    std::vector<std::string> lights;      // as --light has them
-    std::optional<std::string> sky;       // as --sky has it
+    LitScene scene;                   // objects, with the light that their files have
+    std::vector<Model> models;        // of the objects, in their order
+    std::vector<std::string> lights;  // as --light has them
+    std::optional<std::string> sky;   // as --sky has it
     std::optional<SceneCamera> camera;
 };
 
 /// @throws Error  io; bad_input naming the key; as read_octv()
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
-/// The lights of the arguments; else those of the file; else a sun to the left of a camera that sees
-/// the whole.
+/// The lights of the arguments; else those of the file; else a sun to the left of a camera that
+/// sees the whole.
 /// @param sun     as --sun has it: azimuth and elevation
 /// @param lights  as --light has them
-[[nodiscard]] std::vector<Light> described_lights(
-    const std::optional<std::array<double, 2>>& sun, const std::vector<std::string>& lights,
-    const Model& model, const dvec3& up);
+[[nodiscard]] std::vector<Light> described_lights(const std::optional<std::array<double, 2>>& sun,
+                                                  const std::vector<std::string>& lights,
+                                                  const Model& model, const dvec3& up);
 
 /// Adds --sun and --light.
 void add_light_choice(CLI::App& command, std::optional<std::array<double, 2>>& sun,

@@ -49,8 +49,9 @@
 #include "octavo/attributes/build_attributes.h"  // build_attributes: from the scene's triangles
 
 // The .octv file.
-#include "octavo/io/model.h"  // Model: a Dag, its Grid and where it came from
-#include "octavo/io/octv.h"   // write_octv, read_octv, read_octv_summary
+#include "octavo/io/model.h"     // Model: a Dag, its Grid and where it came from
+#include "octavo/io/octv.h"      // write_octv, read_octv, read_octv_summary
+#include "octavo/io/validate.h"  // validate_octv: all that is wrong with a file
 
 // Rays, one at a time or many.
 #include "octavo/trace/trace.h"  // Ray, Hit; trace_closest, trace_any

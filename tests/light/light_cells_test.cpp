@@ -71,8 +71,8 @@ class TwoRooms : public testing::Test {
 protected:
     TwoRooms() {
         const Dag dag = test::dag_of_voxels(6, [](const dvec3& p) {
-            const bool box = std::max({std::abs(p.x - 32.0), std::abs(p.z - 32.0),
-                                       std::abs(p.y - 32.0)}) > 29.5;
+            const bool box =
+                std::max({std::abs(p.x - 32.0), std::abs(p.z - 32.0), std::abs(p.y - 32.0)}) > 29.5;
             return box || (p.x > 32.0 && p.x < 33.0);
         });
         scene.objects.push_back(

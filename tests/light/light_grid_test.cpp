@@ -16,8 +16,7 @@ std::vector<Light> lamps_in(const Box& box, int count, float intensity) {
     for (int i = 0; i < count; ++i) {
         Light light;
         light.kind = Light::Kind::point;
-        light.position =
-            box.low + box.size() * dvec3(unit(random), unit(random), unit(random));
+        light.position = box.low + box.size() * dvec3(unit(random), unit(random), unit(random));
         light.intensity = vec3(intensity);
         lights.push_back(light);
     }
@@ -37,9 +36,9 @@ TEST(LightGrid, ListsEveryLightThatReachesThePoint) {
         const auto listed = grid.near(point);
         EXPECT_TRUE(std::ranges::is_sorted(listed));
         for (std::uint32_t n = 0; n < lights.size(); ++n) {
-            const bool reached = lights[n].kind == Light::Kind::sun ||
-                                 glm::length(lights[n].position - point) <=
-                                     light_reach(lights[n], LightGrid::kLeast);
+            const bool reached =
+                lights[n].kind == Light::Kind::sun || glm::length(lights[n].position - point) <=
+                                                          light_reach(lights[n], LightGrid::kLeast);
             EXPECT_TRUE(!reached || std::ranges::binary_search(listed, n)) << i << " " << n;
         }
     }

@@ -45,7 +45,7 @@ float brightest_inside(const LitScene& scene, Lighting lighting, int samples) {
     return most;
 }
 
-TEST(SealedBox, NoLightComesThroughWallsOfOneTwoAndFourVoxels) {
+TEST(SealedBoxSlow, NoLightComesThroughWallsOfOneTwoAndFourVoxels) {
     for (const double degrees : {0.0, 17.0, 45.0})
         for (const double thick : {1.0, 2.0, 4.0}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, " + std::to_string(thick));
@@ -71,16 +71,16 @@ TEST(SealedBox, WallsOfHalfACellLetLittleThrough) {
         EXPECT_EQ(brightest_inside(scene, Lighting::reference, 4), 0.0f);
         const float gathered = brightest_inside(scene, Lighting::gathered, 4);
         const float cached = brightest_inside(scene, Lighting::cached, 1);
-        std::printf("half-voxel walls, %g degrees: gathered %.4f, cached %.4f of the sky\n", degrees,
-                    static_cast<double>(gathered), static_cast<double>(cached));
+        std::printf("half-voxel walls, %g degrees: gathered %.4f, cached %.4f of the sky\n",
+                    degrees, static_cast<double>(gathered), static_cast<double>(cached));
         EXPECT_LT(gathered, 0.1f);
         EXPECT_LT(cached, 0.9f);
     }
 }
 
-TEST(WhiteFurnace, AWhiteBallCannotBeSeen) {
-    const Dag dag = test::dag_of_distance(
-        6, [](const dvec3& p) { return glm::length(p - 32.0) - 20.0; });
+TEST(WhiteFurnaceSlow, AWhiteBallCannotBeSeen) {
+    const Dag dag =
+        test::dag_of_distance(6, [](const dvec3& p) { return glm::length(p - 32.0) - 20.0; });
     LitScene scene = scene_of(dag, grey(dag, 6, 255), Sky::constant(vec3(1.0f)));
     light_cells(scene, {.bounces = 4});
     for (const Lighting lighting : {Lighting::gathered, Lighting::cached, Lighting::reference}) {
@@ -103,7 +103,7 @@ TEST(WhiteFurnace, AClosedRoomThatShinesHasTheSumOfTheSeries) {
     EXPECT_NEAR(mean_green(render_lit(scene, Lighting::cached, options)), all, 0.01 * all);
 }
 
-TEST(EmissionAlone, LightsARoomAsPathsDo) {
+TEST(EmissionAloneSlow, LightsARoomAsPathsDo) {
     const Dag dag = test::sealed_box(6, 20.3, 17.0, 1.0);
     const auto lamp = [](const uvec3& v) {
         return v.y > 50 && glm::length(dvec3(v) - dvec3(32, v.y, 32)) < 5.0 ? 20.0f : 0.0f;
@@ -142,8 +142,8 @@ double most_where_dark(const Image& picture, const Image& reference, float allow
                 for (int dx = -reach; dx <= reach; ++dx)
                     near = std::max(near, reference.color[reference.index(x + dx, y + dy)].g);
             if (near > allowed * most) continue;
-            found = std::max(found,
-                             static_cast<double>(picture.color[picture.index(x, y)].g / most));
+            found =
+                std::max(found, static_cast<double>(picture.color[picture.index(x, y)].g / most));
         }
     return found;
 }
@@ -151,11 +151,11 @@ double most_where_dark(const Image& picture, const Image& reference, float allow
 /// All but black, so that what bounces is below a two hundredth.
 constexpr std::uint8_t kDark = 13;
 
-TEST(DoorAjar, LightsNothingThatPathsDoNot) {
+TEST(DoorAjarSlow, LightsNothingThatPathsDoNot) {
     // Two rooms, a wall of one voxel between them with a gap of three, a lamp in the first.
     const Dag dag = test::dag_of_voxels(6, [](const dvec3& p) {
-        const bool box = std::max({std::abs(p.x - 32.0), std::abs(p.z - 32.0),
-                                   std::abs(p.y - 32.0)}) > 29.5;
+        const bool box =
+            std::max({std::abs(p.x - 32.0), std::abs(p.z - 32.0), std::abs(p.y - 32.0)}) > 29.5;
         const bool wall = p.x > 32.0 && p.x < 33.0 && !(p.z > 20.0 && p.z < 23.0 && p.y < 50.0);
         return box || wall;
     });
@@ -176,17 +176,16 @@ TEST(DoorAjar, LightsNothingThatPathsDoNot) {
             most_where_dark(render_lit(scene, Lighting::gathered, options), reference, 0.005f);
         const double cached =
             most_where_dark(render_lit(scene, Lighting::cached, options), reference, 0.005f);
-        std::printf("door ajar, where the reference is dark: gathered %.4f, cached %.4f\n", gathered,
-                    cached);
+        std::printf("door ajar, where the reference is dark: gathered %.4f, cached %.4f\n",
+                    gathered, cached);
         EXPECT_LT(gathered, 0.01);
         EXPECT_LT(cached, 0.05);
     }
 }
 
 TEST(ConvexCorner, TheSideAwayFromTheLampStaysDark) {
-    const Dag dag = test::dag_of_voxels(6, [](const dvec3& p) {
-        return p.y < 8.0 || (p.x < 32.0 && p.z < 32.0 && p.y < 40.0);
-    });
+    const Dag dag = test::dag_of_voxels(
+        6, [](const dvec3& p) { return p.y < 8.0 || (p.x < 32.0 && p.z < 32.0 && p.y < 40.0); });
     LitScene scene = scene_of(dag, grey(dag, 6, kDark), {});
     Light lamp;
     lamp.kind = Light::Kind::point;
@@ -202,8 +201,8 @@ TEST(ConvexCorner, TheSideAwayFromTheLampStaysDark) {
         most_where_dark(render_lit(scene, Lighting::gathered, options), reference, 0.005f);
     const double cached =
         most_where_dark(render_lit(scene, Lighting::cached, options), reference, 0.005f);
-    std::printf("convex corner, where the reference is dark: gathered %.4f, cached %.4f\n", gathered,
-                cached);
+    std::printf("convex corner, where the reference is dark: gathered %.4f, cached %.4f\n",
+                gathered, cached);
     EXPECT_LT(gathered, 0.01);
     EXPECT_LT(cached, 0.05);
 }
@@ -230,8 +229,8 @@ TEST(RenderLit, CachedLightDoesNotFlickerWhenTheCameraMoves) {
     };
     LitScene scene = scene_of(dag, grey(dag, 6, 200, lamp), {});
     light_cells(scene, {.around_rays = 64});
-    // A fly-through in steps of a tenth of a voxel: what one pixel's light does from frame to frame,
-    // beyond the slow change along the way (second differences), of the mean.
+    // A fly-through in steps of a tenth of a voxel: what one pixel's light does from frame to
+    // frame, beyond the slow change along the way (second differences), of the mean.
     std::vector<Image> frames;
     for (int i = 0; i < 8; ++i) {
         RenderOptions options =
@@ -241,9 +240,8 @@ TEST(RenderLit, CachedLightDoesNotFlickerWhenTheCameraMoves) {
     double sum = 0.0, mean = 0.0;
     for (std::size_t f = 1; f + 1 < frames.size(); ++f)
         for (std::size_t k = 0; k < frames[f].color.size(); ++k) {
-            const double bend = static_cast<double>(frames[f - 1].color[k].g -
-                                                    2.0f * frames[f].color[k].g +
-                                                    frames[f + 1].color[k].g);
+            const double bend = static_cast<double>(
+                frames[f - 1].color[k].g - 2.0f * frames[f].color[k].g + frames[f + 1].color[k].g);
             sum += bend * bend;
             mean += static_cast<double>(frames[f].color[k].g);
         }

@@ -22,7 +22,8 @@ constexpr double kPi = std::numbers::pi;
 SkyImage with_a_sun(int width, int height) {
     SkyImage image{width, height, {}};
     image.color.resize(static_cast<std::size_t>(width * height), vec3(0.1f));
-    image.color[static_cast<std::size_t>(height / 4 * width + width / 3)] = vec3(900.0f, 800.0f, 1.0f);
+    image.color[static_cast<std::size_t>(height / 4 * width + width / 3)] =
+        vec3(900.0f, 800.0f, 1.0f);
     return image;
 }
 

@@ -76,6 +76,16 @@ TEST(Validate, ExitCodeIsThreeWhereThereAreFindings) {
     EXPECT_EQ(run_shell(folder.path(), "octavo validate good.octv >&-").code, 1);
 }
 
+TEST(Hardening, ReleaseProgramMovesItsAddressesAndBindsThemAtOnce) {
+    const std::string command = quoted(OCTAVO_COMMAND);
+    const Outcome dynamic = run_shell(".", "readelf -hd " + command);
+    if (dynamic.code != 0) GTEST_SKIP() << "no readelf here";
+    if (!OCTAVO_IS_RELEASE) GTEST_SKIP() << "this is no release build";
+    EXPECT_NE(dynamic.out.find("DYN (Position-Independent"), std::string::npos) << dynamic.out;
+    EXPECT_NE(dynamic.out.find("BIND_NOW"), std::string::npos) << dynamic.out;
+    EXPECT_NE(run_shell(".", "readelf -lW " + command + " | grep GNU_RELRO").out, "");
+}
+
 TEST(Trusted, OpensTheFileUncheckedAndOtherwiseTheSame) {
     const TemporaryFolder folder;
     const std::string octv = quoted(small_octv().string());
@@ -124,7 +134,7 @@ TEST(SmallDisk, FullWhileWritingLeavesTheOldFile) {
 }
 
 /// Every odd mesh through the command: a DAG, or one line and exit code 3 or 4.
-TEST(OddMeshes, EndInADagOrOneLine) {
+TEST(OddMeshesSlow, EndInADagOrOneLine) {
     OCTAVO_REQUIRE_SCENE("odd-meshes");
     const TemporaryFolder folder;
     const fs::path scenes = shared_scenes() / "odd-meshes";

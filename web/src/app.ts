@@ -119,6 +119,8 @@ export class App {
 
     private load(): void {
         const { name, origin } = this.opened!;
+        this.canvas.dataset.state = 'drawing'; // what is shown is not what was asked for any more
+        if (this.scene) this.scene.done = false;
         this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
     }
 
@@ -283,6 +285,7 @@ export class App {
             this.loader?.cancel();
             this.engine?.stop();
             this.engine = this.renderer = undefined;
+            this.canvas.dataset.state = 'drawing';
             this.toast('The GPU was reset; the scene is loaded again', 5000);
         });
         this.canvas.addEventListener('webglcontextrestored', () => {

@@ -14,14 +14,15 @@ namespace octavo {
 /// The light of each occupied cell in six directions, in one array that has nothing for empty space
 /// ([J]: 384 MB of dense textures become 12).
 ///
-/// Direction 2 * axis + 1 is that of +axis, 2 * axis that of -axis, as faces are numbered. The value
-/// is the light that the part of the surface which is seen from there would send out if it were
-/// white: its irradiance over pi, of that side's own normal. Times the colour of that side, plus its
-/// emission, it is the radiance that the cell sends that way. Colour stays apart, so that light can
-/// be smoothed over cells and colour cannot.
+/// Direction 2 * axis + 1 is that of +axis, 2 * axis that of -axis, as faces are numbered. The
+/// value is the light that the part of the surface which is seen from there would send out if it
+/// were white: its irradiance over pi, of that side's own normal. Times the colour of that side,
+/// plus its emission, it is the radiance that the cell sends that way. Colour stays apart, so that
+/// light can be smoothed over cells and colour cannot.
 ///
 /// A word is RGB9E5, see pack_rgb9e5(); kHidden where no surface of the cell can be seen from that
-/// direction, because its neighbour is full, or its voxels all lie behind others. It reads as black.
+/// direction, because its neighbour is full, or its voxels all lie behind others. It reads as
+/// black.
 ///
 ///     word 6 * cell + direction
 class CellLight {

@@ -15,9 +15,6 @@ namespace {
 int wrapped(std::int64_t i, int size, Texture::Wrap wrap) {
     if (i >= 0 && i < size) return static_cast<int>(i);
     if (wrap == Texture::Wrap::clamp) return i < 0 ? 0 : size - 1;
-    // Most sides are a power of two, and a mask is quicker than a division.
-    if (wrap == Texture::Wrap::repeat && (size & (size - 1)) == 0)
-        return static_cast<int>(i & (size - 1));
     const std::int64_t period = wrap == Texture::Wrap::mirror ? 2 * std::int64_t{size} : size;
     std::int64_t in_period = i % period;
     if (in_period < 0) in_period += period;
@@ -30,9 +27,15 @@ struct Pair {
     float part;
 };
 inline Pair pair_at(double coordinate, int size, Texture::Wrap wrap) {
+    const double place = coordinate * size - 0.5;
+    if (wrap == Texture::Wrap::repeat && (size & (size - 1)) == 0 && std::abs(place) < 1e9) {
+        auto i = static_cast<int>(place);  // as nearly all textures are
+        if (i > place) --i;
+        return {i & (size - 1), (i + 1) & (size - 1), static_cast<float>(place - i)};
+    }
     // Further out than this all digits are before the point, and so is every wrap.
     constexpr double kFar = 1e12;
-    const double texel = std::clamp(coordinate * size - 0.5, -kFar, kFar);
+    const double texel = std::clamp(place, -kFar, kFar);
     auto i = static_cast<std::int64_t>(texel);
     if (static_cast<double>(i) > texel) --i;
     return {wrapped(i, size, wrap), wrapped(i + 1, size, wrap),

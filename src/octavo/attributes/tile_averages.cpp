@@ -108,6 +108,7 @@ TileAverager::TileAverager(const CellIndex& cells, const FixedMesh& mesh,
       wanted_(wanted),
       tile_depth_(tile_depth),
       unit_(std::ldexp(1.0, -mesh.fraction_bits())),
+      kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth - 2)),
       firsts_(masks_.size()) {}
 
@@ -118,9 +119,10 @@ void TileAverager::average(const uvec3& tile, const CellRange& range,
     cut_triangles(triangles);
     sort_parts();
     touch_bare_cells();
-    for (auto& values : out) values.clear();
+    for (std::size_t c = 0; c < out.size(); ++c) out[c].resize(kept_[c] ? codes_.size() : 0);
     for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
-        write(std::span(part_order_)
+        write(cell,
+              std::span(part_order_)
                   .subspan(part_begins_[cell], part_begins_[cell + 1] - part_begins_[cell]),
               out);
 }
@@ -261,16 +263,12 @@ void TileAverager::touch_bare_cells() {
     sort_parts();
 }
 
-void TileAverager::put(TileValues& out, Channel channel, std::uint32_t value) const {
-    const bool kept = channel == Channel::color ? wanted_.color
-                      : channel == Channel::emission || channel == Channel::back_emission
-                          ? wanted_.emission
-                      : channel == Channel::back ? true
-                                                 : wanted_.normal;
-    if (kept) out[static_cast<std::size_t>(channel)].push_back(value);
-}
-
-void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) const {
+void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> parts,
+                         TileValues& out) const {
+    const auto put = [&](Channel channel, std::uint32_t value) {
+        const auto c = static_cast<std::size_t>(channel);
+        if (kept_[c]) out[c][cell] = value;
+    };
     const float greatest = surfaces_.greatest_emission();
     if (parts.size() == 1) {  // as in most cells
         const Part& part = parts_[parts[0]];
@@ -278,12 +276,12 @@ void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) 
         sum.add(part, facets_[part.facet]);
         Rgb8 color{};
         for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
-        put(out, Channel::color, pack_rgb8(color));
-        put(out, Channel::back, 0);
-        put(out, Channel::emission, sum.emission(greatest));
-        put(out, Channel::back_emission, 0);
-        put(out, Channel::normal, wanted_.normal ? pack_normal(sum.normal()) : 0);
-        put(out, Channel::back_normal, 0);
+        put(Channel::color, pack_rgb8(color));
+        put(Channel::back, 0);
+        put(Channel::emission, sum.emission(greatest));
+        put(Channel::back_emission, 0);
+        put(Channel::normal, wanted_.normal ? pack_normal(sum.normal()) : 0);
+        put(Channel::back_normal, 0);
         return;
     }
     // The front is the way that most area faces: by main axes first, then exactly.
@@ -328,12 +326,12 @@ void TileAverager::write(std::span<const std::uint32_t> parts, TileValues& out) 
         if (!differs) back_value = 0;
     }
     if (back_value == 0) back_emission = back_normal = 0;
-    put(out, Channel::color, color);
-    put(out, Channel::back, back_value);
-    put(out, Channel::emission, emission);
-    put(out, Channel::back_emission, back_emission);
-    put(out, Channel::normal, normal);
-    put(out, Channel::back_normal, back_normal);
+    put(Channel::color, color);
+    put(Channel::back, back_value);
+    put(Channel::emission, emission);
+    put(Channel::back_emission, back_emission);
+    put(Channel::normal, normal);
+    put(Channel::back_normal, back_normal);
 }
 
 }  // namespace octavo

@@ -52,8 +52,7 @@ private:
     void cut_triangles(std::span<const TileTriangle> triangles);
     void sort_parts();
     void touch_bare_cells();
-    void write(std::span<const std::uint32_t> parts, TileValues& out) const;
-    void put(TileValues& out, Attributes::Channel channel, std::uint32_t value) const;
+    void write(std::uint32_t cell, std::span<const std::uint32_t> parts, TileValues& out) const;
 
     const CellIndex& cells_;
     const FixedMesh& mesh_;
@@ -62,6 +61,7 @@ private:
     int tile_depth_;
     dvec3 to_tile_{0.0};  // from units of the mesh, after scaling by unit_, to cells of the tile
     double unit_;
+    std::array<bool, Attributes::kChannels> kept_;
 
     std::vector<std::uint64_t> masks_;   // of each block of 4x4x4 cells
     std::vector<std::uint32_t> firsts_;  // number in the tile of each block's first cell

@@ -45,8 +45,8 @@ Emitters::Emitters(const LitScene& scene, const Instances& world) {
             if (!(light > 0.0)) return;
             const dvec3 centre(to_common * dvec4((dvec3(at) + 0.5) * width, 1.0));
             const double radius = 0.8661 * width * scale;
-            emitters_.push_back({object, cell, centre, radius,
-                                 static_cast<float>(light * radius * radius)});
+            emitters_.push_back(
+                {object, cell, centre, radius, static_cast<float>(light * radius * radius)});
             total += light * radius * radius;
         });
     }
@@ -70,15 +70,15 @@ Emitters::Sample Emitters::sample(const dvec3& from, float choice, const vec2& s
     const vec3 axis = cone < 2.0 ? vec3(glm::normalize(way)) : vec3(0.0f, 0.0f, 1.0f);
     const vec3 direction = shared::from_frame(
         axis, vec3(dvec3(radius * std::cos(angle), radius * std::sin(angle), height)));
-    return {direction, static_cast<float>(static_cast<double>(e.part) /
-                                          (2.0 * std::numbers::pi * cone)),
+    return {direction,
+            static_cast<float>(static_cast<double>(e.part) / (2.0 * std::numbers::pi * cone)),
             e.object, e.cell};
 }
 
 float Emitters::density(const dvec3& from, std::uint32_t object, std::uint64_t cell) const {
-    const auto found = std::ranges::lower_bound(
-        emitters_, std::tuple(object, cell), {},
-        [](const Emitter& e) { return std::tuple(e.object, e.cell); });
+    const auto found =
+        std::ranges::lower_bound(emitters_, std::tuple(object, cell), {},
+                                 [](const Emitter& e) { return std::tuple(e.object, e.cell); });
     if (found == emitters_.end() || found->object != object || found->cell != cell) return 0.0f;
     const double cone = cone_of(found->centre - from, found->radius);
     return static_cast<float>(static_cast<double>(found->part) / (2.0 * std::numbers::pi * cone));

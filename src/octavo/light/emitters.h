@@ -22,15 +22,16 @@ public:
     [[nodiscard]] std::size_t size() const { return emitters_.size(); }
 
     struct Sample {
-        vec3 direction;         // unit length; common space
-        float density;          // per steradian, for light that comes from this cell
+        vec3 direction;  // unit length; common space
+        float density;   // per steradian, for light that comes from this cell
         std::uint32_t object;
         std::uint64_t cell;
     };
     /// @param choice  in [0, 1): which cell, by its power
     [[nodiscard]] Sample sample(const dvec3& from, float choice, const vec2& square) const;
 
-    /// The density of a direction from `from` that meets this cell; 0 where the cell does not shine.
+    /// The density of a direction from `from` that meets this cell; 0 where the cell does not
+    /// shine.
     [[nodiscard]] float density(const dvec3& from, std::uint32_t object, std::uint64_t cell) const;
 
 private:

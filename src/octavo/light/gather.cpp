@@ -95,8 +95,7 @@ void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
         if (!(cosine > 0.0f) || !(sample.density > 0.0f)) continue;
         shared::GridRay ray = point.start;
         ray.dir = shared::bend_outwards(sample.direction, point.face);
-        const float weight =
-            cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
+        const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
         any_rays_.push_back(ray);
         any_.push_back({weight * sky.radiance(sample.direction), 0.0f,
                         static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
@@ -117,8 +116,7 @@ void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed)
         if (!(cosine > 0.0f)) continue;
         shared::GridRay ray = point.start;
         ray.dir = shared::bend_outwards(sample.direction, point.face);
-        const float weight =
-            cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
+        const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
         closest_rays_.push_back(ray);
         closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1),
                             sample.object, sample.cell});
@@ -147,8 +145,7 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
     if (sources) {
         const vec3 emission = world_.emission(side);
         if (emission != vec3(0.0f)) {
-            const float density =
-                world_.emitters().density(origin_of(ray), side.object, side.cell);
+            const float density = world_.emitters().density(origin_of(ray), side.object, side.cell);
             light += around * w.density / (around * w.density + source * density) * emission;
         }
     }

@@ -23,9 +23,9 @@ enum class LightFrom {
 
 /// How many rays ask what light falls on a point.
 struct GatherRays {
-    int lamp = 16;     // towards each lamp in reach that has a size
-    int around = 32;   // over the hemisphere, by the cosine
-    int source = 16;   // towards an uneven sky, and as many towards cells that shine
+    int lamp = 16;      // towards each lamp in reach that has a size
+    int around = 32;    // over the hemisphere, by the cosine
+    int source = 16;    // towards an uneven sky, and as many towards cells that shine
     bool hard = false;  // rays to lamps go to their middle
 };
 
@@ -36,7 +36,8 @@ struct GatherRays {
 /// Combining Sampling Techniques for Monte Carlo Rendering", 1995).
 class Gatherer {
 public:
-    /// @param parts  over how many points the rays of each sum are shared out; counts are rounded up
+    /// @param parts  over how many points the rays of each sum are shared out; counts are rounded
+    /// up
     ///               to multiples of it
     Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays, int parts);
 
@@ -67,9 +68,9 @@ public:
     }
 
 private:
-    struct Waiting {       // what a ray brings if it meets nothing; or, of a closest ray, a factor
+    struct Waiting {  // what a ray brings if it meets nothing; or, of a closest ray, a factor
         vec3 light;
-        float density;     // of the direction by the cosine, and for a source ray by its choice
+        float density;  // of the direction by the cosine, and for a source ray by its choice
         std::uint32_t sum;
         std::uint32_t emitter_object;  // of a ray towards a cell that shines; else kAround
         std::uint64_t emitter_cell;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// After Josh Klint's post "Sparse Voxel Octrees" ([J]): one value for each of six directions, only for
-// cells that exist; direct light by rays in the octree in place of shadow maps.
+// After Josh Klint's post "Sparse Voxel Octrees" ([J]): one value for each of six directions, only
+// for cells that exist; direct light by rays in the octree in place of shadow maps.
 #include "octavo/light/light_cells.h"
 
 #include <tbb/blocked_range.h>
@@ -22,8 +22,8 @@
 namespace octavo {
 namespace {
 
-constexpr int kStarts = 4;     // places of a side's surface that its rays start from
-constexpr int kColumns = 4;    // along each edge of a cell: where these places are looked for
+constexpr int kStarts = 4;   // places of a side's surface that its rays start from
+constexpr int kColumns = 4;  // along each edge of a cell: where these places are looked for
 constexpr std::uint64_t kBlockCells = 512;  // that are lit together, and change together
 
 /// A side of a cell that can be seen.
@@ -205,8 +205,8 @@ private:
         o.reflected.resize(static_cast<std::size_t>(options_.bounces));
         for (auto& some : o.reflected) some.resize(o.sides.size(), vec3(0.0f));
         for (int bounce = 0; bounce <= options_.bounces; ++bounce)
-            o.words.push_back(std::make_shared<std::vector<std::uint32_t>>(
-                6 * cells.count(), CellLight::kHidden));
+            o.words.push_back(std::make_shared<std::vector<std::uint32_t>>(6 * cells.count(),
+                                                                           CellLight::kHidden));
     }
 
     void place_blocks(ObjectLight& o) const {
@@ -223,9 +223,9 @@ private:
                 box.extend(width * (dvec3(at) + 1.0));
             });
             for (unsigned i = 0; i < 8; ++i)
-                block.box.extend(dvec3(
-                    to_common * dvec4(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                                      i & 4 ? box.high.z : box.low.z, 1.0)));
+                block.box.extend(dvec3(to_common * dvec4(i & 1 ? box.high.x : box.low.x,
+                                                         i & 2 ? box.high.y : box.low.y,
+                                                         i & 4 ? box.high.z : box.low.z, 1.0)));
         });
     }
 
@@ -277,7 +277,8 @@ private:
     }
 
     /// The normal of the surface that is seen from a direction; none where there is none.
-    static std::optional<vec3> side_normal(const LitObject& object, const uvec3& at, int direction) {
+    static std::optional<vec3> side_normal(const LitObject& object, const uvec3& at,
+                                           int direction) {
         std::array<shared::GridRay, kStarts> starts{};
         if (find_starts(object, at, direction, seed_of(at, direction, 0), starts) == 0)
             return std::nullopt;
@@ -296,14 +297,14 @@ private:
 
     template <class Work>
     void for_blocks(ObjectLight& o, const std::vector<std::uint8_t>& some, const Work& work) {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, o.blocks.size(), 1), [&](const auto& range) {
-                for (std::size_t b = range.begin(); b != range.end(); ++b) {
-                    if (!some.empty() && some[b] == 0) continue;
-                    work(o, o.blocks[b]);
-                    add_progress(o.blocks[b].end - o.blocks[b].first);
-                }
-            });
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, o.blocks.size(), 1),
+                          [&](const auto& range) {
+                              for (std::size_t b = range.begin(); b != range.end(); ++b) {
+                                  if (!some.empty() && some[b] == 0) continue;
+                                  work(o, o.blocks[b]);
+                                  add_progress(o.blocks[b].end - o.blocks[b].first);
+                              }
+                          });
     }
 
     /// Finds the light of one kind that falls on the sides of a block.
@@ -413,7 +414,8 @@ private:
         std::vector<Source> sources;
         for (std::size_t i = 0; i < objects_.size(); ++i)
             for (std::size_t b = 0; b < before[i].size(); ++b)
-                if (before[i][b] > 0.0) sources.push_back({&objects_[i].blocks[b].box, before[i][b]});
+                if (before[i][b] > 0.0)
+                    sources.push_back({&objects_[i].blocks[b].box, before[i][b]});
         Changes changes;
         for (ObjectLight& o : objects_) {
             std::vector<std::uint8_t> some(o.blocks.size(), 0);
@@ -434,9 +436,8 @@ private:
                 gather(lit, block, LightFrom::cells, bounce, lit.reflected[index]);
             });
             // Blocks whose direct light alone changed have another sum too.
-            tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
-                flux[b] = write(o, o.blocks[b], bounce);
-            });
+            tbb::parallel_for(std::size_t{0}, o.blocks.size(),
+                              [&](std::size_t b) { flux[b] = write(o, o.blocks[b], bounce); });
             changes.push_back(std::move(flux));
         }
         return changes;

@@ -28,9 +28,9 @@ struct LightOptions {
 
 /// What was done.
 struct LightReport {
-    std::uint64_t cells = 0;        // of the objects that were looked at
-    std::uint64_t sides = 0;        // of these cells, those that can be seen
-    std::uint64_t sides_done = 0;   // for which rays were sent, every pass counted
+    std::uint64_t cells = 0;       // of the objects that were looked at
+    std::uint64_t sides = 0;       // of these cells, those that can be seen
+    std::uint64_t sides_done = 0;  // for which rays were sent, every pass counted
     std::uint64_t rays = 0;
 };
 
@@ -38,8 +38,8 @@ struct LightReport {
 ///
 /// Direct light comes by shadow rays in the geometry itself, then bounces are gathered by rays that
 /// read the light of the cells which they meet. Each side of a cell sends its rays from four places
-/// of its surface, found by rays from the face of the cell inwards: so they begin on the voxels, and
-/// neither hit their own cell nor skip a wall that is thinner than it.
+/// of its surface, found by rays from the face of the cell inwards: so they begin on the voxels,
+/// and neither hit their own cell nor skip a wall that is thinner than it.
 ///
 /// The result is the same for any number of threads, and the same again each time.
 class CellLighter {
@@ -48,7 +48,8 @@ public:
     ///                are not lit, but shade the others
     /// @throws Error  bad_argument where an option is out of range; limit where an object has more
     ///                than CellLight::kMostCells cells
-    /// Cost           a walk over the cells; about 60 bytes for each side, and 12 more for each bounce
+    /// Cost           a walk over the cells; about 60 bytes for each side, and 12 more for each
+    /// bounce
     CellLighter(LitScene& scene, const LightOptions& options);
     ~CellLighter();
     CellLighter(const CellLighter&) = delete;

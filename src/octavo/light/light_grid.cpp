@@ -29,9 +29,12 @@ Reach reach_of(const Light& light, float least) {
     double area = 1.0;  // that shines, in its own direction
     double size = 0.0;
     switch (light.kind) {
-        case Light::Kind::sun: return {dvec3(0.0), std::numeric_limits<double>::infinity()};
+        case Light::Kind::sun:
+            return {dvec3(0.0), std::numeric_limits<double>::infinity()};
         case Light::Kind::point:
-        case Light::Kind::spot: size = light.size; break;
+        case Light::Kind::spot:
+            size = light.size;
+            break;
         case Light::Kind::disc:
             area = std::numbers::pi * light.size * light.size;
             size = light.size;
@@ -105,8 +108,7 @@ std::span<const std::uint32_t> LightGrid::near(const dvec3& point) const {
         if (!(at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < kSide && at.y < kSide && at.z < kSide))
             continue;
         const auto cell = uvec3(at);
-        const std::size_t cluster =
-            ((s * kSide + cell.z) * kSide + cell.y) * kSide + cell.x;
+        const std::size_t cluster = ((s * kSide + cell.z) * kSide + cell.y) * kSide + cell.x;
         return std::span(lists_).subspan(begins_[cluster], begins_[cluster + 1] - begins_[cluster]);
     }
     return all_;

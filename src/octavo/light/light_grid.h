@@ -14,10 +14,10 @@ namespace octavo {
 /// `least`. Infinite for a sun. World units.
 [[nodiscard]] double light_reach(const Light& light, float least);
 
-/// Says which of many lights may reach a point: clusters in world space about a centre, which is the
-/// camera or the middle of what is lit ([J]: "place them in a grid in world space, with the camera
-/// at the center of the grid"). Clusters are small near the centre and twice as large from each
-/// shell to the next, so that a few thousand of them serve any distance.
+/// Says which of many lights may reach a point: clusters in world space about a centre, which is
+/// the camera or the middle of what is lit ([J]: "place them in a grid in world space, with the
+/// camera at the center of the grid"). Clusters are small near the centre and twice as large from
+/// each shell to the next, so that a few thousand of them serve any distance.
 ///
 /// The lists leave out nothing that light_reach() does not.
 class LightGrid {

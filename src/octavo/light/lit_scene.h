@@ -27,8 +27,8 @@ struct LitObject {
 /// the scene's.
 struct LitScene {
     std::vector<LitObject> objects;
-    std::vector<Light> lights;  // the scene's space. Emissive cells shine by themselves: a lamp made
-                                // of their triangles must not be here as well
+    std::vector<Light> lights;  // the scene's space. Emissive cells shine by themselves: a lamp
+                                // made of their triangles must not be here as well
     Sky sky;
 };
 

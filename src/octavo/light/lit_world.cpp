@@ -60,8 +60,7 @@ LitPoint LitWorld::point(std::uint32_t object, const shared::GridRay& on_face, i
     // From before the middle of the face's half of the open voxel to the lifted place.
     const dvec3 from = origin_of(point.start) + 0.5 * scale * dvec3(out);
     for (const double part : {1.0, 0.6, 0.3}) {
-        const dvec3 lifted =
-            origin_of(point.start) + part * 1.5 * scale * dvec3(point.normal);
+        const dvec3 lifted = origin_of(point.start) + part * 1.5 * scale * dvec3(point.normal);
         // A little longer than the way, so that the end is not inside a voxel either.
         if (instances_.trace_any(grid_ray(from, vec3(lifted - from), 1.001f))) continue;
         point.start = grid_ray(lifted, point.normal, 1e30f);

@@ -44,7 +44,8 @@ using NormalCaches = std::map<std::uint32_t, NormalCache>;
     return v;
 }
 
-/// A scene made ready for light: rays through all objects, lamps by place, and the cells that shine.
+/// A scene made ready for light: rays through all objects, lamps by place, and the cells that
+/// shine.
 class LitWorld {
 public:
     /// @param scene   outlives this, and so do the objects' light arrays, which may change
@@ -64,8 +65,8 @@ public:
     /// The point where rays start that ask what light falls on a hit.
     ///
     /// With a smoothed normal it is lifted off the face by up to 1.5 voxels, since the steps of a
-    /// slanted plane must not shade it: to a place that a straight line reaches from before the hit,
-    /// so that no wall, however thin, lies between. Else it stays on the face exactly.
+    /// slanted plane must not shade it: to a place that a straight line reaches from before the
+    /// hit, so that no wall, however thin, lies between. Else it stays on the face exactly.
     [[nodiscard]] LitPoint point(const InstanceHit& hit, bool smooth, NormalCaches& normals) const;
     /// The same with a normal that is known. @param normal  the object's space
     [[nodiscard]] LitPoint point(std::uint32_t object, const shared::GridRay& on_face, int face,
@@ -76,8 +77,8 @@ public:
     /// What part of the light a side sends back; clay where the object has no colour.
     [[nodiscard]] vec3 albedo(const CellSide& side) const;
     [[nodiscard]] vec3 emission(const CellSide& side) const;
-    /// The light stored for a side. Where nothing is stored for it, because other voxels of the cell
-    /// hide it, that of the sides which are, evenly.
+    /// The light stored for a side. Where nothing is stored for it, because other voxels of the
+    /// cell hide it, that of the sides which are, evenly.
     [[nodiscard]] vec3 stored_light(const CellSide& side) const;
 
     /// World space; any length.

@@ -147,24 +147,28 @@ vec2 Sky::place(const vec3& direction) const {
 
 vec3 Sky::radiance(const vec3& direction) const {
     switch (kind_) {
-        case Kind::black: return vec3(0.0f);
-        case Kind::constant: return factor_ * zenith_;
+        case Kind::black:
+            return vec3(0.0f);
+        case Kind::constant:
+            return factor_ * zenith_;
         case Kind::gradient: {
             const float height = glm::dot(glm::normalize(direction), up_);
             if (height < 0.0f)
-                return factor_ *
-                       glm::mix(horizon_, ground_, std::min(1.0f, std::sqrt(-height)));
+                return factor_ * glm::mix(horizon_, ground_, std::min(1.0f, std::sqrt(-height)));
             return factor_ * glm::mix(horizon_, zenith_, std::min(1.0f, std::pow(height, 0.6f)));
         }
-        case Kind::image: break;
+        case Kind::image:
+            break;
     }
     const SkyImage& image = picture_->image;
     const vec2 at = place(direction);
-    const int x = std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
+    const int x =
+        std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
     const int y =
         std::min(static_cast<int>(at.y * static_cast<float>(image.height)), image.height - 1);
-    return factor_ * image.color[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                 static_cast<std::size_t>(x)];
+    return factor_ *
+           image.color[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(x)];
 }
 
 SkySample Sky::sample(const vec2& square) const {
@@ -183,14 +187,14 @@ SkySample Sky::sample(const vec2& square) const {
     const int x = find_interval(sums, image.width, square.x);
     const float in_x = (square.x - sums[x]) / std::max(sums[x + 1] - sums[x], 1e-30f);
     const float in_y = (square.y - y_low) / std::max(y_high - y_low, 1e-30f);
-    const float u = (static_cast<float>(x) + glm::clamp(in_x, 0.0f, 1.0f)) /
-                    static_cast<float>(image.width);
-    const float v = (static_cast<float>(y) + glm::clamp(in_y, 0.0f, 1.0f)) /
-                    static_cast<float>(image.height);
+    const float u =
+        (static_cast<float>(x) + glm::clamp(in_x, 0.0f, 1.0f)) / static_cast<float>(image.width);
+    const float v =
+        (static_cast<float>(y) + glm::clamp(in_y, 0.0f, 1.0f)) / static_cast<float>(image.height);
     const float azimuth = 2.0f * kPi * (u - 0.5f);
     const float sine = std::sin(kPi * v);
-    const vec3 direction = std::cos(kPi * v) * up_ +
-                           sine * (std::cos(azimuth) * front_ + std::sin(azimuth) * right_);
+    const vec3 direction =
+        std::cos(kPi * v) * up_ + sine * (std::cos(azimuth) * front_ + std::sin(azimuth) * right_);
     return {direction, density(direction)};
 }
 
@@ -198,7 +202,8 @@ float Sky::density(const vec3& direction) const {
     if (kind_ != Kind::image) return 1.0f / (4.0f * kPi);
     const SkyImage& image = picture_->image;
     const vec2 at = place(direction);
-    const int x = std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
+    const int x =
+        std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
     const int y =
         std::min(static_cast<int>(at.y * static_cast<float>(image.height)), image.height - 1);
     const float sine = std::max(std::sin(kPi * at.y), 1e-6f);
@@ -228,7 +233,8 @@ void Sky::find_harmonics() {
         for (int k = 0; k < columns; ++k) {
             const float z = 1.0f - 2.0f * (static_cast<float>(i) + 0.5f) / static_cast<float>(rows);
             const float radius = std::sqrt(1.0f - z * z);
-            const float angle = 2.0f * kPi * (static_cast<float>(k) + 0.5f) / static_cast<float>(columns);
+            const float angle =
+                2.0f * kPi * (static_cast<float>(k) + 0.5f) / static_cast<float>(columns);
             const vec3 d = z * up_ + radius * (std::cos(angle) * front_ + std::sin(angle) * right_);
             const auto basis = harmonics(d);
             const dvec3 light(radiance(d));

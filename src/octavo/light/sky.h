@@ -10,9 +10,9 @@
 
 namespace octavo {
 
-/// A picture of the whole sphere of directions, in linear light: width twice the height, the top row
-/// around `up`. Column 0 and the last meet at azimuth 180 degrees; the middle column is +z where up
-/// is +y, and columns to its right go towards -x, as one sees them from inside.
+/// A picture of the whole sphere of directions, in linear light: width twice the height, the top
+/// row around `up`. Column 0 and the last meet at azimuth 180 degrees; the middle column is +z
+/// where up is +y, and columns to its right go towards -x, as one sees them from inside.
 struct SkyImage {
     int width = 0;
     int height = 0;

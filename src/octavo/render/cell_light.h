@@ -36,9 +36,9 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
 // Each axis of the normal has the direction in which it points, and counts by its square (the
 // ambient cube of McTaggart, "Half-Life 2 / Valve Source Shading", GDC 2004). For each, the eight
 // cells around the point half a cell below the surface are weighted as in trilinear filtering;
-// those that are empty, or hidden in this direction, are left out. So are those whose face cannot be
-// seen from before the hit: a wall has dark cells, or bright ones, on its other side, and none of
-// their light comes through.
+// those that are empty, or hidden in this direction, are left out. So are those whose face cannot
+// be seen from before the hit: a wall has dark cells, or bright ones, on its other side, and none
+// of their light comes through.
 //
 //   surface  a ray from the hit, on its face (leave_hit)
 //   before   where the surface is seen from: a ray from above the face, or the same

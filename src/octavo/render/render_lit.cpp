@@ -50,8 +50,7 @@ public:
             for (int x = x0; x < x1; ++x)
                 pixels.push_back({{x, y},
                                   shared::pixel_seed(static_cast<std::uint32_t>(x),
-                                                     static_cast<std::uint32_t>(y),
-                                                     options_.frame),
+                                                     static_cast<std::uint32_t>(y), options_.frame),
                                   vec3(0.0f)});
         std::vector<shared::GridRay> rays(pixels.size());
         std::vector<InstanceHit> hits(pixels.size());
@@ -120,10 +119,9 @@ private:
             if (options_.smooth_normals)
                 before = smoothed_point(dag, hit.ray, hit.hit,
                                         normals[hit.object].get(dag, hit.ray, hit.hit), 0);
-            const vec3 light =
-                cached_light(dag, shared::view(object.attributes.cells()),
-                             shared::view(object.light), surface, surface_ray(before),
-                             hit.hit.face, before.normal);
+            const vec3 light = cached_light(dag, shared::view(object.attributes.cells()),
+                                            shared::view(object.light), surface,
+                                            surface_ray(before), hit.hit.face, before.normal);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }
@@ -174,12 +172,12 @@ private:
             for (std::size_t k = 0; k < paths.size(); ++k) {
                 Path path = paths[k];
                 Pixel& pixel = pixels[path.pixel];
-                pixel.sum += static_cast<float>(options_.samples) * path.carried * gatherer.light(k);
+                pixel.sum +=
+                    static_cast<float>(options_.samples) * path.carried * gatherer.light(k);
                 path.hit = gatherer.hit(k);
                 if (!path.hit) continue;
                 if (bounce >= kCertainBounces) {
-                    const float most =
-                        std::max({path.carried.r, path.carried.g, path.carried.b});
+                    const float most = std::max({path.carried.r, path.carried.g, path.carried.b});
                     const float survival = std::min(most, kMostSurvival);
                     const float chance = shared::sample_1d(
                         static_cast<std::uint32_t>(i),

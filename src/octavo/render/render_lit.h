@@ -8,9 +8,10 @@ namespace octavo {
 
 /// Where the light of a picture comes from.
 enum class Lighting {
-    gathered,   // lamps by shadow rays; rays over the hemisphere read the light of the cells they meet
-    cached,     // the light of the cells alone, smoothed over them: no secondary ray but to the next
-                // cells
+    gathered,  // lamps by shadow rays; rays over the hemisphere read the light of the cells they
+               // meet
+    cached,    // the light of the cells alone, smoothed over them: no secondary ray but to the next
+               // cells
     reference,  // paths through the voxels, without what is stored: next-event estimation, Russian
                 // roulette. One for each primary ray
 };

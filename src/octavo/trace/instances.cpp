@@ -72,8 +72,8 @@ Instances::Instances(std::vector<Instance> objects) : objects_(std::move(objects
         frame.same = p == dmat4(1.0) && object.grid == objects_.front().grid;
         if (frame.same) frame.to_common = frame.to_object = dmat4(1.0);
         for (int i = 0; i < 3; ++i)
-            frame.scale = std::max(i == 0 ? 0.0 : frame.scale,
-                                   glm::length(dvec3(frame.to_common[i])));
+            frame.scale =
+                std::max(i == 0 ? 0.0 : frame.scale, glm::length(dvec3(frame.to_common[i])));
         const double side = std::ldexp(1.0, object.grid.depth);
         frame.box = transform(frame.to_common, Box{dvec3(0.0), dvec3(side)});
         frames_.push_back(frame);
@@ -118,15 +118,15 @@ Box Instances::bounds() const {
 
 vec3 Instances::normal_to_common(std::uint32_t object, const vec3& normal) const {
     if (frames_[object].same) return normal;
-    return vec3(glm::normalize(glm::transpose(glm::dmat3(frames_[object].to_object)) *
-                               dvec3(normal)));
+    return vec3(
+        glm::normalize(glm::transpose(glm::dmat3(frames_[object].to_object)) * dvec3(normal)));
 }
 
 shared::GridRay Instances::ray_in(std::uint32_t object, const shared::GridRay& ray) const {
     const Frame& frame = frames_[object];
     if (frame.same) return ray;
-    const dvec3 origin = glm::clamp(transform(frame.to_object, origin_of(ray)), -kFarthest,
-                                    kFarthest);
+    const dvec3 origin =
+        glm::clamp(transform(frame.to_object, origin_of(ray)), -kFarthest, kFarthest);
     shared::GridRay result =
         grid_ray(origin, vec3(glm::dmat3(frame.to_object) * dvec3(ray.dir)), ray.t_max);
     result.t_min = ray.t_min;
@@ -186,7 +186,8 @@ void Instances::trace_closest(std::span<const shared::GridRay> rays, const share
         found.resize(some.size());
         trace_closest_wide(objects_[object].dag, some, stop_in(object, stop), found);
         for (std::size_t k = 0; k < some.size(); ++k)
-            if (found[k].face != shared::kFaceNone) hits[lists[object][k]] = {object, some[k], found[k]};
+            if (found[k].face != shared::kFaceNone)
+                hits[lists[object][k]] = {object, some[k], found[k]};
     }
 }
 

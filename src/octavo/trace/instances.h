@@ -15,8 +15,8 @@ namespace octavo {
 /// A DAG somewhere in a scene. The same DAG may stand in it many times; copies share its words.
 struct Instance {
     Dag dag;
-    Grid grid;              // of the DAG in its own space
-    dmat4 placement{1.0};   // from its own space to the scene's; affine, with an inverse
+    Grid grid;             // of the DAG in its own space
+    dmat4 placement{1.0};  // from its own space to the scene's; affine, with an inverse
 };
 
 /// Where a ray ends: in which object, and the ray and the cell in that object's grid. Time is the
@@ -29,8 +29,9 @@ struct InstanceHit {
     [[nodiscard]] explicit operator bool() const { return hit.face != shared::kFaceNone; }
 };
 
-/// Several DAGs as one scene for rays: a small tree of boxes says which objects a ray may touch, and
-/// the ray goes on in the grid of each ([J]: "transform each ray to local space around the object").
+/// Several DAGs as one scene for rays: a small tree of boxes says which objects a ray may touch,
+/// and the ray goes on in the grid of each ([J]: "transform each ray to local space around the
+/// object").
 ///
 /// Rays come in *common* space: the grid space of the first object, as if it had not been placed.
 /// Rays of an object that stands where that frame is are traced as they are, to the bit.

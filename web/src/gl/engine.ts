@@ -7,6 +7,8 @@ import type { Canvas, Renderer, Shot } from './renderer';
 
 const kFrame = 33; // milliseconds: 30 frames a second
 const kStrip = 24; // for a strip of the picture at rest
+/** Pixels of a strip: where the way to the GPU is slow and varies, smaller ones would take for ever. */
+const kLeastStrip = 4096;
 const kRestAfter = 180; // without a change
 const kLeastScale = 0.125;
 const kProbeEvery = 500;
@@ -242,7 +244,8 @@ export class Engine {
         this.pixelTimes.push({ at: now, pixels: waiting.pixels });
         if (waiting.rest) {
             const rows = this.stripRows * Math.max(0.25, Math.min(2, kStrip / took));
-            this.stripRows = Math.max(1, Math.round(rows));
+            const least = Math.ceil(kLeastStrip / (this.rest?.width ?? 1));
+            this.stripRows = Math.max(least, Math.round(rows));
         } else {
             this.frameTimes = this.frameTimes.filter((time) => now - time < 1000);
             this.frameTimes.push(now);

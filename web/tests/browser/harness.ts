@@ -98,7 +98,7 @@ export interface Opened {
 /** Settings that a processor can draw. */
 export const quick = 'smooth=0&samples=2&scale=25';
 
-export async function open(url: string, width = 800, height = 440, script?: string): Promise<Opened> {
+export async function open(url: string, width = 800, height = 240, script?: string): Promise<Opened> {
     const context = await browser!.newContext({ viewport: { width, height }, acceptDownloads: true, hasTouch: true });
     contexts.push(context);
     const page = await context.newPage();
@@ -112,9 +112,8 @@ export async function open(url: string, width = 800, height = 440, script?: stri
     return { page, faults };
 }
 
-/** Waits until the picture is as good as it gets. */
+/** Waits until the picture is as good as it gets. Whatever changes it makes it `drawing` at once. */
 export async function rest(page: Page): Promise<void> {
-    await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'drawing', undefined, { timeout: 1000 }).catch(() => {});
     await page.waitForFunction(() => document.querySelector<HTMLElement>('#picture')!.dataset.state === 'finished', undefined, { timeout: 110000 });
 }
 

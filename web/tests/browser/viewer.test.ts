@@ -13,8 +13,8 @@ afterAll(stopBrowser);
 const kCamera = { eye: [-14.1, 2.7, 1.8], azimuth: 100.2, elevation: 2, distance: 20 }; // in the court
 const kLook = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45&light=-1&sun=-30&height=50`;
 
-async function shown(fragment = quick): Promise<Opened> {
-    const opened = await open(`${await view(courtyard())}#${fragment}`);
+async function shown(fragment = quick, height = 240): Promise<Opened> {
+    const opened = await open(`${await view(courtyard())}#${fragment}`, 800, height);
     await rest(opened.page);
     return opened;
 }
@@ -25,9 +25,11 @@ const set = (page: Page, id: string, value: number): Promise<void> =>
         input.value = String(to);
         input.dispatchEvent(new Event('input', { bubbles: true }));
     }, value);
+/** The view in the address, when all that has happened to it is there. */
 const link = async (page: Page): Promise<string> => {
-    await page.waitForTimeout(450);
-    return new URL(page.url()).hash;
+    // Pointer moves wait for a frame; the address follows 300 ms behind the last change.
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 350))));
+    return page.evaluate(() => location.hash);
 };
 
 describe('the picture', () => {
@@ -80,13 +82,13 @@ describe('controls', () => {
             expect(difference(before, after).mean, what).toBeGreaterThan(0.3);
             before = after;
         };
-        await changes('sun direction', () => set(page, 'sunAzimuth', 100));
-        await changes('sun height', () => set(page, 'sunElevation', 15));
         await changes('sun size', () => set(page, 'sunSize', 10));
         await changes('radius', () => set(page, 'ambientRadius', 30));
         await changes('ambient', () => page.locator('#ambient').click());
         await changes('hard shadows', () => page.locator('#shadows [data-value=hard]').click());
         await changes('no shadows', () => page.locator('#shadows [data-value=none]').click());
+        await changes('sun direction', () => set(page, 'sunAzimuth', 100));
+        await changes('sun height', () => set(page, 'sunElevation', 15));
         await changes('exposure', () => set(page, 'exposure', 1.5));
         await changes('level', () => set(page, 'finestLevel', 4));
         await changes('normals', () => page.locator('#modes [data-value=normals]').click());
@@ -120,12 +122,13 @@ describe('controls', () => {
     });
 
     it('move the camera by mouse, wheel, keys and fingers', async () => {
-        const { page, faults } = await shown(`${kLook}&${quick}`);
+        const { page, faults } = await shown(`${kLook}&${quick}`, 440);
         let before = await link(page);
         const moves = async (what: string, act: () => Promise<unknown>): Promise<URLSearchParams> => {
             await act();
+            const changed = page.waitForFunction((old) => location.hash !== old, before, { timeout: 20000 });
+            await changed.catch(() => expect.fail(`${what}: the address is still ${before}`));
             const after = await link(page);
-            expect(after, what).not.toBe(before);
             before = after;
             return new URLSearchParams(after.slice(1));
         };
@@ -149,7 +152,7 @@ describe('controls', () => {
         await moves('wheel sets the speed', async () => {
             await page.keyboard.down('w');
             await page.mouse.wheel(0, -200);
-            await page.waitForTimeout(100);
+            await page.waitForFunction(() => document.querySelector('#toast')!.textContent!.includes('Speed'));
             await page.keyboard.up('w');
         });
         expect(await text(page, '#toast')).toMatch(/Speed/);
@@ -172,7 +175,7 @@ describe('controls', () => {
     });
 
     it('read the voxel that is clicked', async () => {
-        const { page } = await shown(`${kLook}&${quick}`);
+        const { page } = await shown(`${kLook}&${quick}`, 440);
         await page.mouse.click(250, 260);
         await page.locator('#voxel').waitFor();
         const facts = await text(page, '#voxel-facts');
@@ -199,7 +202,7 @@ describe('controls', () => {
 describe('a link', () => {
     it('brings back the picture', async () => {
         const { page } = await shown(quick);
-        await page.mouse.move(300, 200);
+        await page.mouse.move(300, 120);
         await page.mouse.wheel(0, -400);
         await set(page, 'sunAzimuth', 120);
         await page.locator('#copy-link').click();
@@ -280,14 +283,13 @@ describe('the machine', () => {
             setTimeout(() => losing.restoreContext(), 200);
         });
         await page.waitForFunction(() => document.querySelector('#toast')!.textContent!.includes('reset'));
-        await page.waitForTimeout(400);
         await rest(page);
         expect(difference(before, await saved(page)).mean).toBeLessThan(0.05);
     });
 
     it('may lack WebGL 2, which is said', async () => {
         const none = 'const get = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind === "webgl2" ? null : get.call(this, kind, ...more); };';
-        const { page, faults } = await open(await view(courtyard()), 800, 440, none);
+        const { page, faults } = await open(await view(courtyard()), 800, 240, none);
         expect(await text(page, '#notice-title')).toMatch(/no WebGL 2/);
         expect(faults).toEqual([]);
     });
@@ -328,14 +330,14 @@ describe('serving', () => {
 
 describe('a machine that draws', () => {
     it('sends the picture of octavo render, and finds voxels', async () => {
-        const { page, faults } = await open(`${await view(courtyard(), '--render-here')}#${kLook}`, 800, 440);
+        const { page, faults } = await open(`${await view(courtyard(), '--render-here')}#${kLook}`, 760, 200);
         await rest(page);
         const first = await saved(page);
-        expect([first.width, first.height]).toEqual([800, 440]);
+        expect([first.width, first.height]).toEqual([760, 200]);
         await set(page, 'sunAzimuth', 100);
         await rest(page);
         expect(difference(first, await saved(page)).mean).toBeGreaterThan(0.3);
-        await page.mouse.click(250, 260);
+        await page.mouse.click(200, 120);
         await page.locator('#voxel').waitFor();
         expect(await text(page, '#voxel-facts')).toMatch(/Path/);
         expect(await page.locator('#row-memory').isVisible(), 'what it cannot do is not offered').toBe(false);

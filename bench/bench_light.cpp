@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// What does light cost when something changes? usage: bench_light FILE.octv [RAYS [BOUNCES]]
+//
+// Lights the cells by a sun, the clear sky and a hundred weak point lamps, then moves the sun, then
+// one lamp. Prints sides of cells, rays and processor seconds.
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <exception>
+#include <random>
+
+#include "octavo/io/octv.h"
+#include "octavo/light/light_cells.h"
+#include "octavo/render/render.h"
+
+namespace {
+
+using namespace octavo;
+
+double processor_seconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+template <class Work>
+void measure(const char* what, const Work& work) {
+    const double start = processor_seconds();
+    const LightReport report = work();
+    const double seconds = processor_seconds() - start;
+    std::printf("%-16s sides %10llu  done %10llu  rays %11llu  %8.2f s  %6.2f Mrays/s and core\n",
+                what, static_cast<unsigned long long>(report.sides),
+                static_cast<unsigned long long>(report.sides_done),
+                static_cast<unsigned long long>(report.rays), seconds,
+                static_cast<double>(report.rays) / seconds / 1e6);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 2) {
+        std::fprintf(stderr, "usage: bench_light FILE.octv [RAYS [BOUNCES]]\n");
+        return 2;
+    }
+    try {
+        const Model model = read_octv(argv[1]);
+        LitScene scene;
+        scene.objects.push_back(
+            {.dag = model.dag, .grid = model.grid(), .attributes = model.attributes});
+        scene.sky = Sky::clear({0, 1, 0});
+        scene.lights.push_back(sun_at(1.5, 1.15));
+        const Box box = content_bounds(model.dag, model.grid());
+        std::mt19937 random(1);
+        std::uniform_real_distribution<double> unit(0.0, 1.0);
+        for (int i = 0; i < 100; ++i) {
+            Light lamp;
+            lamp.kind = Light::Kind::point;
+            lamp.position = box.low + box.size() * dvec3(unit(random), unit(random), unit(random));
+            const double reach = 0.03 * glm::length(box.size());
+            lamp.intensity = vec3(static_cast<float>(reach * reach / 650.0));
+            scene.lights.push_back(lamp);
+        }
+        LightOptions options;
+        if (argc > 2) options.around_rays = std::atoi(argv[2]);
+        if (argc > 3) options.bounces = std::atoi(argv[3]);
+        options.lamp_rays = 4;
+        CellLighter lighter(scene, options);
+        measure("all", [&] { return lighter.light_all(); });
+        Light lamp = scene.lights[50];
+        lamp.position.y += 0.01 * box.size().y;
+        measure("one lamp moves", [&] { return lighter.change_light(50, lamp); });
+        measure("the sun moves", [&] { return lighter.change_light(0, sun_at(1.4, 1.15)); });
+        std::printf("kept beside: %.1f MB\n", static_cast<double>(lighter.size_bytes()) / 1e6);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_light: %s\n", error.what());
+        return 3;
+    }
+    return 0;
+}

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/trace/instances.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "light/voxel_rooms.h"
+#include "octavo/core/error.h"
+#include "octavo/light/light_cells.h"
+#include "octavo/trace/wide.h"
+
+namespace octavo {
+namespace {
+
+using test::grey;
+using test::unit_grid;
+
+std::vector<shared::GridRay> random_rays(int count, double side, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> place(-0.2 * side, 1.2 * side), way(-1.0, 1.0);
+    std::vector<shared::GridRay> rays;
+    for (int i = 0; i < count; ++i)
+        rays.push_back(grid_ray({place(random), place(random), place(random)},
+                                vec3(way(random), way(random), way(random)), 1e30f));
+    return rays;
+}
+
+TEST(Instances, OneInPlaceGivesTheBitsOfItsDag) {
+    const Dag dag = test::dust(5, 0.3, 3);
+    const Instances one({{dag, unit_grid(5)}});
+    const auto rays = random_rays(500, 32.0, 1);
+    std::vector<InstanceHit> hits(rays.size());
+    std::vector<shared::GridHit> expected(rays.size());
+    one.trace_closest(rays, {0, 0.0f, 0.0f}, hits);
+    trace_closest_wide(dag, rays, {0, 0.0f, 0.0f}, expected);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        EXPECT_EQ(hits[i].hit.face, expected[i].face);
+        EXPECT_EQ(hits[i].hit.path, expected[i].path);
+        EXPECT_EQ(hits[i].hit.t, expected[i].t);
+    }
+}
+
+// Twelve copies of one DAG, turned by right angles and apart: the voxels of each are known.
+TEST(Instances, ManyMovedOnesAreHitWhereTheNearestOfThemIs) {
+    const Dag dag = test::dust(4, 0.4, 5);
+    std::vector<Instance> objects;
+    for (int i = 0; i < 12; ++i) {
+        dmat4 m = glm::translate(dmat4(1.0), dvec3(20.0 * (i % 4), 20.0 * (i / 4), 7.0 * i));
+        m = glm::rotate(m, 0.7 * i, glm::normalize(dvec3(1, i, 2)));
+        m = glm::scale(m, dvec3(1.0 + 0.1 * i));
+        objects.push_back({dag, unit_grid(4), i == 0 ? dmat4(1.0) : m});
+    }
+    const Instances all(objects);
+    const auto rays = random_rays(2000, 80.0, 2);
+    std::vector<InstanceHit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    all.trace_closest(rays, {0, 0.0f, 0.0f}, hits);
+    all.trace_any(rays, {0, 0.0f, 0.0f}, occluded);
+    int found = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        // Each object alone, by the plain text, in double from world space.
+        float nearest = 1e30f;
+        for (const Instance& object : objects) {
+            const dmat4 inverse = glm::inverse(object.placement);
+            const dvec3 from(inverse * dvec4(origin_of(rays[i]), 1.0));
+            const vec3 way(glm::dmat3(inverse) * dvec3(rays[i].dir));
+            const auto hit = shared::trace_closest(shared::view(object.dag),
+                                                   grid_ray(from, way, 1e30f), {0, 0.0f, 0.0f});
+            if (hit.face != shared::kFaceNone) nearest = std::min(nearest, hit.t);
+        }
+        ASSERT_EQ(static_cast<bool>(hits[i]), nearest < 1e30f) << i;
+        ASSERT_EQ(occluded[i] != 0, nearest < 1e30f) << i;
+        if (!hits[i]) continue;
+        ++found;
+        EXPECT_NEAR(hits[i].hit.t, nearest, 1e-4f * (1.0f + nearest)) << i;
+    }
+    EXPECT_GT(found, 200);
+}
+
+TEST(Instances, RefusesPlacementsWithoutAnInverse) {
+    const Dag dag = test::dust(4, 0.4, 5);
+    EXPECT_THROW(Instances({}), Error);
+    EXPECT_THROW(Instances({{dag, unit_grid(4), dmat4(0.0)}}), Error);
+    dmat4 flat(1.0);
+    flat[1][1] = 0.0;
+    EXPECT_THROW(Instances({{dag, unit_grid(4), flat}}), Error);
+}
+
+/// A floor, and above it a plate that may move.
+class FloorAndPlate : public testing::Test {
+protected:
+    FloorAndPlate() {
+        const Dag floor = test::dag_of_voxels(6, [](const dvec3& p) { return p.y < 3.0; });
+        const Dag plate = test::dag_of_voxels(4, [](const dvec3& p) { return p.y < 1.0; });
+        scene.objects.push_back(
+            {.dag = floor, .grid = unit_grid(6), .attributes = grey(floor, 6, 200)});
+        scene.objects.push_back({.dag = plate,
+                                 .grid = unit_grid(4),
+                                 .attributes = grey(plate, 4, 200),
+                                 .placement = glm::translate(dmat4(1.0), dvec3(24, 12, 24))});
+        scene.lights.push_back(sun_at(0.0, 1.5707));
+        scene.lights[0].size = 0.0;
+    }
+    [[nodiscard]] float floor_at(const dvec3& point, Lighting lighting) const {
+        RenderOptions options = test::small_picture(point + dvec3(0.0, 5.0, 2.0), point, 4);
+        options.ao_samples = 32;
+        const Image image = render_lit(scene, lighting, options);
+        return image.color[image.index(16, 12)].g;
+    }
+    LitScene scene;
+};
+
+TEST_F(FloorAndPlate, ShadowsAndLightCrossBothWays) {
+    light_cells(scene, {.around_rays = 16});
+    for (const Lighting l : {Lighting::gathered, Lighting::cached, Lighting::reference}) {
+        EXPECT_LT(floor_at({32, 3, 32}, l), 0.3f * floor_at({8, 3, 8}, l)) << static_cast<int>(l);
+    }
+    // The plate's lower side gets light that the floor sends back, from the sun alone.
+    const auto& plate = scene.objects[1];
+    const auto edge = plate.attributes.cells().find({0, 0, 8});
+    EXPECT_GT(plate.light.get(*edge, 2).g, 0.02f);
+}
+
+TEST_F(FloorAndPlate, AMovedObjectIsLitAnewAndNothingElse) {
+    CellLighter lighter(scene, {.around_rays = 16});
+    lighter.light_all();
+    const std::vector<std::uint32_t> before(scene.objects[0].light.words().begin(),
+                                            scene.objects[0].light.words().end());
+    const float shaded = floor_at({32, 3, 32}, Lighting::gathered);
+    const LightReport report = lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(4, 12, 4)));
+    EXPECT_EQ(report.cells, scene.objects[1].attributes.cells().count());
+    EXPECT_TRUE(std::ranges::equal(before, scene.objects[0].light.words()));
+    // Rays know at once where it is.
+    EXPECT_GT(floor_at({32, 3, 32}, Lighting::gathered), 2.0f * shaded);
+    EXPECT_LT(floor_at({12, 3, 12}, Lighting::gathered),
+              0.5f * floor_at({32, 3, 32}, Lighting::gathered));
+    EXPECT_THROW(lighter.move_object(0, dmat4(1.0)), Error);
+    EXPECT_THROW(lighter.move_object(1, dmat4(0.0)), Error);
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// Small files that would become huge scenes, and libraries that do not come back.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <string>
+
+#include "mesh/mesh_files.h"
+#include "octavo/mesh/child_process.h"
+#include "octavo/mesh/save.h"
+#include "octavo/mesh/scene_archive.h"
+#include "support/temporary_folder.h"
+
+namespace octavo {
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+
+Errc code_of(const std::function<void()>& work, std::string* message = nullptr) {
+    try {
+        work();
+    } catch (const Error& error) {
+        if (message) *message = error.what();
+        return error.code();
+    }
+    ADD_FAILURE() << "no Error";
+    return Errc::cancelled;
+}
+
+TEST(LoadLimits, InstancesOfAMeshStopAtTheCap) {
+    // 2000 nodes that show one mesh of a million zeros, in a file of some KiB.
+    std::string nodes;
+    std::string roots;
+    for (int i = 0; i < 2000; ++i) {
+        nodes += std::string(i ? "," : "") + R"({"mesh":0})";
+        roots += std::string(i ? "," : "") + std::to_string(i);
+    }
+    const test::TemporaryFolder folder;
+    const auto file = folder.write(
+        "a.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + roots +
+                      R"(]}],"nodes":[)" + nodes +
+                      R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+                      R"("accessors":[{"componentType":5126,"type":"VEC3","count":999999}]})");
+    std::string message;
+    EXPECT_EQ(code_of([&] { (void)load_scene(file, {.max_bytes = 128 * kMiB}); }, &message),
+              Errc::limit);
+    EXPECT_NE(message.find("instances"), std::string::npos) << message;
+}
+
+TEST(LoadLimits, InflatedFileStopsAtTheCap) {
+    const test::TemporaryFolder folder;
+    const std::string file = (folder / "bomb.ply.gz").string();
+    gzFile out = gzopen(file.c_str(), "wb9");
+    const std::string zeros(kMiB, '0');
+    for (int i = 0; i < 64; ++i) gzwrite(out, zeros.data(), static_cast<unsigned>(zeros.size()));
+    gzclose(out);
+    EXPECT_EQ(code_of([&] { (void)load_scene(file, {.max_bytes = 16 * kMiB}); }), Errc::limit);
+}
+
+TEST(ChildProcess, HandsTheSceneOver) {
+    Scene scene;
+    scene.positions = {{0, 0, 0}, {1, 0, 1e300}, {0, 1, 0}};
+    scene.triangles = {{0, 1, 2}};
+    scene.colors.resize(3);
+    scene.materials.resize(2);
+    scene.materials[1].name = "m";
+    scene.materials[1].alpha_cutoff = 0.25f;
+    scene.triangle_materials = {1};
+    scene.textures.push_back({"t", "/x/t.png", {std::byte{7}}});
+    scene.cameras.resize(1);
+    scene.cameras[0].name = "c";
+    scene.lights.resize(1);
+    scene.lights[0].kind = Light::Kind::spot;
+    scene.warnings = {"one", ""};
+    const Scene got = read_in_child(
+        "a", [&] { return scene; }, 256 * kMiB, 60.0);
+    EXPECT_EQ(got.geometry_hash(), scene.geometry_hash());
+    EXPECT_EQ(got.warnings, scene.warnings);
+    EXPECT_EQ(got.triangle_materials, scene.triangle_materials);
+    EXPECT_EQ(got.materials[1].name, "m");
+    EXPECT_EQ(got.materials[1].alpha_cutoff, 0.25f);
+    EXPECT_FALSE(got.materials[0].alpha_cutoff);
+    EXPECT_EQ(got.textures[0].file, "/x/t.png");
+    EXPECT_EQ(got.textures[0].encoded, scene.textures[0].encoded);
+    EXPECT_EQ(got.cameras[0].name, "c");
+    EXPECT_EQ(got.lights[0].kind, Light::Kind::spot);
+}
+
+TEST(ChildProcess, CrashIsBadInput) {
+    std::string message;
+    const auto crash = []() -> Scene {
+        raise(SIGSEGV);
+        return {};
+    };
+    EXPECT_EQ(code_of([&] { (void)read_in_child("a.dae", crash, 256 * kMiB, 60.0); }, &message),
+              Errc::bad_input);
+    EXPECT_EQ(message.find("a.dae: "), 0u) << message;
+}
+
+TEST(ChildProcess, EndlessLoopIsALimit) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto loop = []() -> Scene {
+        for (;;) {
+            std::atomic_signal_fence(std::memory_order_seq_cst);
+        }
+    };
+    EXPECT_EQ(code_of([&] { (void)read_in_child("a", loop, 256 * kMiB, 0.2); }), Errc::limit);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+TEST(ChildProcess, ErrorsArriveAsTheyWere) {
+    std::string message;
+    const auto refuse = []() -> Scene { throw Error(Errc::unsupported, "a", "of another kind"); };
+    EXPECT_EQ(code_of([&] { (void)read_in_child("a", refuse, 256 * kMiB, 60.0); }, &message),
+              Errc::unsupported);
+    EXPECT_EQ(message, "a: of another kind");
+}
+
+TEST(ChildProcess, BytesThatAreNoSceneAreRefused) {
+    for (const std::size_t size : {std::size_t{0}, std::size_t{8}, std::size_t{200}}) {
+        const std::vector<std::byte> bytes(size, std::byte{0xff});
+        EXPECT_EQ(code_of([&] { (void)read_scene_bytes(bytes); }), Errc::bad_input);
+    }
+}
+
+}  // namespace
+}  // namespace octavo
