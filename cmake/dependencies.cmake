@@ -16,7 +16,7 @@ pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)        # what a build spi
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
 find_package(PNG REQUIRED)       # pictures, and the textures of scenes
-pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)  # textures of scenes
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)  # textures of scenes, pictures that `octavo view` sends
 find_package(OpenEXR REQUIRED)   # pictures in linear floats
 
 # Optional: builds by many machines together (packages libopenmpi-dev, openmpi-bin).
@@ -26,9 +26,8 @@ find_package(MPI QUIET COMPONENTS CXX)
 if(OCTAVO_BUILD_APPS)
     find_package(CLI11 REQUIRED)  # command-line arguments
     find_package(fmt REQUIRED)    # tables: g++ 12 has no std::format
-    # Optional: the server of `octavo view`, and the pictures that it sends.
+    # Optional: the server of `octavo view`.
     pkg_check_modules(HTTPLIB IMPORTED_TARGET cpp-httplib)
-    pkg_check_modules(TURBOJPEG IMPORTED_TARGET libturbojpeg)
 endif()
 if(OCTAVO_BUILD_TESTS)
     find_package(GTest REQUIRED)

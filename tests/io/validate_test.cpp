@@ -105,13 +105,14 @@ TEST_F(ValidateWords, CountsVoxelsBottomUp) {
 TEST(Validate, ReportsAtMostTheFirstHundred) {
     const Model model = built_courtyard(7);
     OctvParts parts(bytes_of(model));
+    OctvParts::Part& dag = *parts.find(octv::kDagSection);
     const std::uint64_t leaves = 4 * model.dag.level_begin(model.dag.leaf_level());
-    std::string& words = parts.find(octv::kDagSection)->content;
-    std::fill(words.begin() + static_cast<std::ptrdiff_t>(leaves), words.end(), '\0');
+    std::fill(dag.content.begin() + static_cast<std::ptrdiff_t>(leaves), dag.content.end(), '\0');
+    const std::uint64_t first = dag.section.offset + leaves;
     const Validation found = validate(parts.sealed());
     ASSERT_EQ(found.findings.size(), 100u);
-    EXPECT_EQ(found.findings.front().offset, 8192 + leaves);
-    EXPECT_EQ(found.findings.back().offset, 8192 + leaves + std::uint64_t{99} * 8);
+    EXPECT_EQ(found.findings.front().offset, first);
+    EXPECT_EQ(found.findings.back().offset, first + std::uint64_t{99} * 8);
 }
 
 TEST(ValidateStrict, SeesEqualNodes) {

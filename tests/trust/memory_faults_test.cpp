@@ -123,7 +123,12 @@ protected:
 };
 
 const Scene& small_scene() {
-    static const Scene kScene = make_sample("courtyard", 0.05);
+    // Without its lanterns: their triangles are lists in the JSON that are longer than that.
+    static const Scene kScene = [] {
+        Scene scene = make_sample("courtyard", 0.05);
+        for (Material& material : scene.materials) material.emission = vec3(0.0f);
+        return scene;
+    }();
     return kScene;
 }
 
