@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 namespace {
