@@ -16,19 +16,22 @@ OCTAVO_FN vec3 unpack_light(uint word) {
     return scale * vec3(float(word & 511u), float((word >> 9) & 511u), float((word >> 18) & 511u));
 }
 
-// The light of a side of a cell; where it is hidden, the mean of those that are not.
-OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
+// The light of the side of a cell that a ray met, which came from where `towards` points; any
+// length. A ray that runs along an edge of a wall may meet a side that is hidden: then that of the
+// sides that it could see, by how much they face it, and never of those behind, which may lie on
+// the wall's other side.
+OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 towards) {
     uint word = light_load(light, 6u * cell + uint(direction));
     if (word != kHiddenLight) return unpack_light(word);
     vec3 sum = vec3(0.0f);
-    float count = 0.0f;
-    for (uint i = 0u; i < 6u; i += 1u) {
-        uint other = light_load(light, 6u * cell + i);
-        if (other == kHiddenLight) continue;
-        sum += unpack_light(other);
-        count += 1.0f;
+    float weights = 0.0f;
+    for (int axis = 0; axis < 3; axis += 1) {
+        word = light_load(light, 6u * cell + uint(2 * axis + (towards[axis] > 0.0f ? 1 : 0)));
+        if (word == kHiddenLight) continue;
+        sum += abs(towards[axis]) * unpack_light(word);
+        weights += abs(towards[axis]);
     }
-    return sum / max(count, 1.0f);
+    return weights > 0.0f ? sum / weights : vec3(0.0f);
 }
 
 // What a white surface at a hit sends back, by the light of the cells around it.
@@ -104,7 +107,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
     if (any(notEqual(own >> cells.level, ivec3(0)))) return vec3(0.0f);
     uint rank = cell_rank(dag, cells, uvec3(own));
     if (rank == kNoCell || face >= kFaceInside) return vec3(0.0f);
-    return side_light(light, rank, face);
+    return side_light(light, rank, face, normal);
 }
 
 OCTAVO_SHARED_END
