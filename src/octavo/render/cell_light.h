@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h and
-// attributes/cell_rank.h. A backend includes before it
+// The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h,
+// attributes/cell_rank.h and render/surface.h. A backend includes before it
 //     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
 //     and      uint light_load(LightView light, uint word);
 #pragma once
@@ -44,11 +44,11 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 toward
 // of their light comes through.
 //
 //   surface  a ray from the hit, on its face (leave_hit)
-//   before   where the surface is seen from: a ray from above the face, or the same
+//   before   where the surface is seen from, and its normal: lifted off the face, or on it
 //   face     of the cell that was hit
-//   normal   unit length
 OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRay surface,
-                            GridRay before, int face, vec3 normal) {
+                            SurfacePoint before, int face) {
+    vec3 normal = before.normal;
     Stop to_voxels;
     to_voxels.height = 0;
     to_voxels.cone = 0.0f;
@@ -82,12 +82,11 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
             if (direction != face || any(notEqual(cell, own))) {
                 vec3 to = vec3(cell) + 0.5f;
                 to[axis] += normal[axis] > 0.0f ? 0.75f : -0.75f;
-                GridRay ray = before;
+                GridRay ray = surface_ray(before);
                 ray.dir = bend_outwards(
                     (to - vec3(before.cell >> shift)) * width -
                         (vec3(before.cell - ((before.cell >> shift) << shift)) + before.frac),
-                    face);
-                ray.t_min = 0.0f;
+                    before.face);
                 ray.t_max = 1.0f;
                 if (trace_any(dag, ray, to_voxels)) continue;
             }

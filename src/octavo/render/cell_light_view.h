@@ -3,6 +3,7 @@
 
 #include "octavo/attributes/cell_index.h"
 #include "octavo/attributes/cell_light.h"
+#include "octavo/render/effects.h"
 #include "octavo/trace/dag_view.h"
 
 /// The CPU's side of the shared look-up of cells' light. Include this one for C++.
