@@ -13,9 +13,9 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
+#include "octavo/light/cell_light_view.h"
 #include "octavo/light/gather.h"
 #include "octavo/render/camera.h"
-#include "octavo/render/cell_light_view.h"
 #include "octavo/render/effects.h"
 
 namespace octavo {
@@ -119,9 +119,9 @@ private:
             if (options_.smooth_normals)
                 before = smoothed_point(dag, hit.ray, hit.hit,
                                         normals[hit.object].get(dag, hit.ray, hit.hit), 0);
-            const vec3 light = cached_light(dag, shared::view(object.attributes.cells()),
-                                            shared::view(object.light), surface,
-                                            surface_ray(before), hit.hit.face, before.normal);
+            const vec3 light =
+                cached_light(dag, shared::view(object.attributes.cells()),
+                             shared::view(object.light), surface, before, hit.hit.face);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }
