@@ -39,13 +39,14 @@ struct Prepared {
           source(scene, smallest_cube(scene.bounds(), kDepth), VoxelRule::conservative,
                  kTileDepth) {
         std::vector<CellNode> cells;
+        OctreeCounts counts;
         for (std::size_t i = 0; i < source.tiles().size(); ++i) {
             std::vector<LeafBlock> blocks;
             source.voxelize(i, blocks);
             if (blocks.empty()) continue;
             leaf_count += blocks.size();
             parts.emplace_back(kTileTop);
-            reduce_leaves(parts.back(), blocks, cells);
+            reduce_leaves(parts.back(), blocks, cells, counts);
             leaves.push_back(std::move(blocks));
             codes.push_back(static_cast<std::uint32_t>(source.tiles()[i]));
         }
@@ -78,10 +79,11 @@ void reduce_tiles(benchmark::State& state, const std::string& name) {
     const Prepared& scene = prepared(name);
     NodeStore part(kTileTop);
     std::vector<CellNode> cells;
+    OctreeCounts counts;
     for ([[maybe_unused]] auto iteration : state)
         for (const std::vector<LeafBlock>& blocks : scene.leaves) {
             part.clear();
-            reduce_leaves(part, blocks, cells);
+            reduce_leaves(part, blocks, cells, counts);
             benchmark::DoNotOptimize(cells.data());
         }
     set_rate(state, scene);
