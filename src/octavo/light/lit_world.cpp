@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
-#include "octavo/render/effects.h"
+#include "octavo/light/cell_light_view.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 namespace {
@@ -33,9 +34,10 @@ LitWorld::LitWorld(const LitScene& scene, const std::optional<dvec3>& centre)
 
 LitPoint LitWorld::point(const InstanceHit& hit, bool smooth, NormalCaches& normals) const {
     const shared::DagView dag = shared::view(instances_.objects()[hit.object].dag);
-    const vec3 face = shared::face_normal(hit.ray, hit.hit);
-    const vec3 normal = smooth ? normals[hit.object].get(dag, hit.ray, hit.hit) : face;
-    return point(hit.object, shared::leave_hit(hit.ray, hit.hit, face), hit.hit.face, normal);
+    const shared::GridHit open = shared::move_to_open_face(dag, hit.ray, hit.hit);
+    const vec3 face = shared::face_normal(hit.ray, open);
+    const vec3 normal = smooth ? normals[hit.object].get(dag, hit.ray, open) : face;
+    return point(hit.object, shared::leave_hit(hit.ray, open, face), open.face, normal);
 }
 
 LitPoint LitWorld::point(std::uint32_t object, const shared::GridRay& on_face, int face,
@@ -98,18 +100,11 @@ vec3 LitWorld::emission(const CellSide& side) const {
     return attributes.emission(side.cell, direction_vector(side.direction));
 }
 
-vec3 LitWorld::stored_light(const CellSide& side) const {
+vec3 LitWorld::stored_light(const InstanceHit& hit, const CellSide& side) const {
     const CellLight& light = scene_.objects[side.object].light;
     if (side.cell == CellSide::kNoCell || light.empty()) return vec3(0.0f);
-    if (!light.hidden(side.cell, side.direction)) return light.get(side.cell, side.direction);
-    vec3 sum(0.0f);
-    int count = 0;
-    for (int direction = 0; direction < 6; ++direction) {
-        if (light.hidden(side.cell, direction)) continue;
-        sum += light.get(side.cell, direction);
-        ++count;
-    }
-    return count == 0 ? sum : sum / static_cast<float>(count);
+    return shared::side_light(shared::view(light), static_cast<std::uint32_t>(side.cell),
+                              side.direction, -hit.ray.dir);
 }
 
 }  // namespace octavo

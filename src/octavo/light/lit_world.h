@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "octavo/light/emitters.h"
+#include "octavo/light/lamp.h"
 #include "octavo/light/light_grid.h"
 #include "octavo/light/lit_scene.h"
-#include "octavo/render/lamp.h"
-#include "octavo/render/normal_cache.h"
+#include "octavo/light/normal_cache.h"
 #include "octavo/trace/instances.h"
 
 namespace octavo {
@@ -77,9 +77,8 @@ public:
     /// What part of the light a side sends back; clay where the object has no colour.
     [[nodiscard]] vec3 albedo(const CellSide& side) const;
     [[nodiscard]] vec3 emission(const CellSide& side) const;
-    /// The light stored for a side. Where nothing is stored for it, because other voxels of the
-    /// cell hide it, that of the sides which are, evenly.
-    [[nodiscard]] vec3 stored_light(const CellSide& side) const;
+    /// The light stored for the side of a hit, see shared::side_light().
+    [[nodiscard]] vec3 stored_light(const InstanceHit& hit, const CellSide& side) const;
 
     /// World space; any length.
     [[nodiscard]] vec3 sky(const vec3& direction) const { return scene_.sky.radiance(direction); }
