@@ -28,18 +28,22 @@ INSTANTIATE_TEST_SUITE_P(AllTargets, Wide, testing::ValuesIn(simd_targets()),
 
 void expect_same(const Dag& dag, const std::vector<s::GridRay>& rays, const s::Stop& stop,
                  const std::string& what) {
-    std::vector<s::GridHit> hits(rays.size());
-    std::vector<std::uint8_t> occluded(rays.size(), 77);
-    trace_closest_wide(dag, rays, stop, hits);
-    trace_any_wide(dag, rays, stop, occluded);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        const s::GridHit hit = trace_closest(s::view(dag), rays[i], stop);
-        ASSERT_EQ(hit.face, hits[i].face) << what << " ray " << i;
-        ASSERT_EQ(std::bit_cast<std::uint32_t>(hit.t), std::bit_cast<std::uint32_t>(hits[i].t))
-            << what << " ray " << i;
-        ASSERT_EQ(hit.path, hits[i].path) << what << " ray " << i;
-        ASSERT_EQ(hit.height, hits[i].height) << what << " ray " << i;
-        ASSERT_EQ(hit.face != s::kFaceNone ? 1 : 0, occluded[i]) << what << " ray " << i;
+    std::vector<s::GridHit> expected;
+    for (const s::GridRay& ray : rays) expected.push_back(trace_closest(s::view(dag), ray, stop));
+    for (const WideWalk walk : {WideWalk::near_nodes, WideWalk::far_nodes}) {
+        std::vector<s::GridHit> hits(rays.size());
+        std::vector<std::uint8_t> occluded(rays.size(), 77);
+        trace_closest_wide(dag, rays, stop, hits, walk);
+        trace_any_wide(dag, rays, stop, occluded, walk);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const s::GridHit& hit = expected[i];
+            ASSERT_EQ(hit.face, hits[i].face) << what << " ray " << i;
+            ASSERT_EQ(std::bit_cast<std::uint32_t>(hit.t), std::bit_cast<std::uint32_t>(hits[i].t))
+                << what << " ray " << i;
+            ASSERT_EQ(hit.path, hits[i].path) << what << " ray " << i;
+            ASSERT_EQ(hit.height, hits[i].height) << what << " ray " << i;
+            ASSERT_EQ(hit.face != s::kFaceNone ? 1 : 0, occluded[i]) << what << " ray " << i;
+        }
     }
 }
 

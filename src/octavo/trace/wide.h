@@ -22,14 +22,20 @@ namespace octavo {
 /// Rays that are set up together. A stream's bundles of this many should be the close ones.
 inline constexpr std::size_t kRaysPerBatch = 64;
 
+/// How to wait for nodes: a DAG far larger than the caches is walked with more rays in flight,
+/// which ask for their nodes a step ahead. Faster for the one, slower for the other; the same
+/// results.
+enum class WideWalk { by_size, near_nodes, far_nodes };
+
 /// @param hits  as long as `rays`
 /// Cost  with AVX-512 a third to a sixth of as many calls of shared::trace_closest();
 /// docs/results.md
 void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                        std::span<shared::GridHit> hits) noexcept;
+                        std::span<shared::GridHit> hits,
+                        WideWalk walk = WideWalk::by_size) noexcept;
 
 /// @param occluded  as long as `rays`; 1 where the ray hits something, else 0
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded) noexcept;
+                    std::span<std::uint8_t> occluded, WideWalk walk = WideWalk::by_size) noexcept;
 
 }  // namespace octavo

@@ -9,9 +9,14 @@
 #define OCTAVO_TRACE_WIDE_WALK_INL_H
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "octavo/trace/wide_batch-inl.h"
+
+// What Highway has no name for: loads that expand, and gathers of pairs.
+#undef OCTAVO_WIDE_AVX512
+#define OCTAVO_WIDE_AVX512 (HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL)
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
@@ -32,7 +37,10 @@ struct HitLanes {
 /// needs the crossing of three planes only, of the cell's far ones or of its middle ones.
 ///
 /// Lanes that have finished take new rays when a quarter of them have.
-template <bool kCone>
+///
+/// @tparam kPrefetch  for DAGs far larger than the caches: a step asks for the nodes that the next
+///                    one reads, instead of waiting for them. Wants more vectors in flight.
+template <bool kCone, bool kPrefetch>
 class Walk {
 public:
     Walk(shared::DagView dag, shared::Stop stop) : stop_(stop), depth_(dag.depth) {
@@ -49,8 +57,7 @@ public:
         low_ = high_ = hn::Zero(di);
         lane_ = hn::Iota(di, 0);
         live_ = hn::VecFromMask(di, hn::FirstN(di, 0));
-        for (auto& level : stack_)
-            for (std::int32_t& node : level) node = 0;
+        for (std::int32_t& node : stack_) node = 0;
     }
 
     [[nodiscard]] bool idle() const { return count_live_ == 0; }
@@ -70,10 +77,11 @@ public:
         const IntTag di;
         const Ints one = hn::Set(di, 1);
         const Ints two = hn::Set(di, 2);
+        if constexpr (kPrefetch) read_node();
 
         // Does the cell exist? In a leaf its 2x2x2 block's byte says so, whole or by its voxels.
-        const Ints child = child_at(height_);
-        const Ints block = child_at(one);
+        const Ints child = child_at(hn::Shl(one, height_));
+        const Ints block = child_at(two);
         const Ints half_leaf = hn::IfThenElse(hn::Gt(block, hn::Set(di, 3)), high_, low_);
         const Ints byte = hn::And(
             hn::Shr(half_leaf, hn::ShiftLeft<3>(hn::And(block, hn::Set(di, 3)))), hn::Set(di, 255));
@@ -127,25 +135,36 @@ public:
             hn::Add(hn::Add(node_, one), count_bits(hn::And(lower, hn::Set(di, 255))));
         const Ints below = hn::GatherIndex(di, words_, hn::IfThenElse(to_node, pointer, node_));
         const Ints level = hn::IfThenElseZero(to_ancestor, hn::Add(last, one));
-        const Ints above = hn::GatherIndex(di, stack_[0], stack_place(level));
+        const Ints above = hn::GatherIndex(di, stack_, stack_place(level));
         node_ = hn::IfThenElse(to_node, below, hn::IfThenElse(to_ancestor, above, node_));
         // In every lane the node is that of the cell's parent, or the leaf around it: writing it
         // where it stands already does no harm.
-        hn::ScatterIndex(node_, di, stack_[0], stack_place(hn::Max(hn::Add(height_, one), two)));
-        low_ = hn::GatherIndex(di, words_, node_);
-        const Ints leaf_lane = hn::VecFromMask(di, hn::Lt(height_, two));
-        high_ = hn::GatherIndex(di, words_, hn::Sub(node_, leaf_lane));
+        hn::ScatterIndex(node_, di, stack_, stack_place(hn::Max(hn::Add(height_, one), two)));
+        if constexpr (kPrefetch)
+            prefetch_node();
+        else
+            read_node();
         const Ints align = hn::Neg(hn::Shl(one, height_));
         for (int axis = 0; axis < 3; ++axis) corner_[axis] = hn::And(next[axis], align);
     }
 
 private:
+    /// Of numbers below 256.
     HWY_INLINE static Ints count_bits(Ints bytes) {
         const IntTag di;
+#if OCTAVO_WIDE_AVX512
+        const __m512i counts =
+            _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
+        const __m512i low = hn::And(bytes, hn::Set(di, 15)).raw;
+        const __m512i high = hn::ShiftRight<4>(bytes).raw;
+        return hn::Add(Ints{_mm512_shuffle_epi8(counts, low)},
+                       Ints{_mm512_shuffle_epi8(counts, high)});
+#else
         Ints v = hn::Sub(bytes, hn::And(hn::ShiftRight<1>(bytes), hn::Set(di, 0x55)));
         v = hn::Add(hn::And(v, hn::Set(di, 0x33)),
                     hn::And(hn::ShiftRight<2>(v), hn::Set(di, 0x33)));
         return hn::And(hn::Add(v, hn::ShiftRight<4>(v)), hn::Set(di, 15));
+#endif
     }
 
     HWY_INLINE Ints stack_place(Ints level) const {
@@ -153,14 +172,38 @@ private:
         return hn::Add(hn::ShiftLeft<kShift>(level), lane_);
     }
 
-    /// The real number of the child, among its siblings, that lies at the corner.
-    HWY_INLINE Ints child_at(Ints height) const {
+    /// The real number of the child of this width, among its siblings, that lies at the corner.
+    HWY_INLINE Ints child_at(Ints width) const {
         const IntTag di;
-        const Ints one = hn::Set(di, 1);
-        const Ints x = hn::And(hn::Shr(corner_[0], height), one);
-        const Ints y = hn::And(hn::Shr(corner_[1], height), one);
-        const Ints z = hn::And(hn::Shr(corner_[2], height), one);
-        return hn::Xor(hn::Or(x, hn::Or(hn::ShiftLeft<1>(y), hn::ShiftLeft<2>(z))), down_);
+        Ints child = down_;
+        for (int axis = 0; axis < 3; ++axis) {
+            const IntMask high = hn::TestBit(corner_[axis], width);
+            child = hn::IfThenElse(high, hn::Xor(child, hn::Set(di, 1 << axis)), child);
+        }
+        return child;
+    }
+
+    HWY_INLINE void read_node() {
+        const IntTag di;
+#if OCTAVO_WIDE_AVX512
+        // Both words at once: half as many loads.
+        const __m512i a = _mm512_i32gather_epi64(_mm512_castsi512_si256(node_.raw), words_, 4);
+        const __m512i b =
+            _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(node_.raw, 1), words_, 4);
+        const __m512i even = hn::Add(lane_, lane_).raw;
+        low_ = Ints{_mm512_permutex2var_epi32(a, even, b)};
+        high_ = Ints{_mm512_permutex2var_epi32(a, hn::Add(Ints{even}, hn::Set(di, 1)).raw, b)};
+#else
+        const Ints in_leaf = hn::VecFromMask(di, hn::Lt(height_, hn::Set(di, 2)));
+        low_ = hn::GatherIndex(di, words_, node_);
+        high_ = hn::GatherIndex(di, words_, hn::Sub(node_, in_leaf));
+#endif
+    }
+    /// A gather that misses the caches holds up all that follows it, and this does not.
+    HWY_INLINE void prefetch_node() const {
+        HWY_ALIGN std::int32_t nodes[kLanes];
+        hn::Store(node_, IntTag(), nodes);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) hwy::Prefetch(words_ + nodes[lane]);
     }
 
     /// When the low planes of the cell are crossed.
@@ -186,23 +229,34 @@ private:
 
     /// Rays first to first + count of the batch go to as many free lanes.
     HWY_NOINLINE void load(const Batch& batch, std::size_t first, std::size_t count) {
-        const FloatTag df;
         const IntTag di;
-        // The number of the free lane among the free lanes; those from `count` on stay free.
+        // As many free lanes as there are rays, and the number of each among them.
+        const std::uint32_t all = free_lanes();
+        std::uint32_t chosen = all;
+        for (auto more = static_cast<std::size_t>(std::popcount(all)); more > count; --more)
+            chosen &= ~std::bit_floor(chosen);
+#if OCTAVO_WIDE_AVX512
+        const auto bits = static_cast<__mmask16>(chosen);
+        const IntMask take{bits};
+        const auto load_ints = [&](const std::int32_t* from, Ints& to) {
+            to = Ints{_mm512_mask_expandloadu_epi32(to.raw, bits, from + first)};
+        };
+        const auto load_floats = [&](const float* from, Floats& to) {
+            to = Floats{_mm512_mask_expandloadu_ps(to.raw, bits, from + first)};
+        };
+#else
         HWY_ALIGN std::int32_t places[kLanes];
         HWY_ALIGN std::int32_t wanted[kLanes];
-        HWY_ALIGN std::int32_t live[kLanes];
-        hn::Store(live_, di, live);
-        std::int32_t free = 0;
+        std::int32_t next = 0;
         for (std::size_t i = 0; i < kLanes; ++i) {
-            const bool takes = live[i] == 0 && free < static_cast<std::int32_t>(count);
-            places[i] = takes ? free++ : 0;
+            const bool takes = (chosen >> i & 1) != 0;
+            places[i] = takes ? next++ : 0;
             wanted[i] = takes ? -1 : 0;
         }
+        const FloatTag df;
         const auto places_index = hn::SetTableIndices(di, places);
         const auto places_float = hn::SetTableIndices(df, places);
-        const Ints wanted_vector = hn::Load(di, wanted);
-        const IntMask take = hn::MaskFromVec(wanted_vector);
+        const IntMask take = hn::MaskFromVec(hn::Load(di, wanted));
         const FloatMask take_float = hn::RebindMask(df, take);
         const auto load_ints = [&](const std::int32_t* from, Ints& to) {
             to = hn::IfThenElse(
@@ -212,6 +266,7 @@ private:
             to = hn::IfThenElse(
                 take_float, hn::TableLookupLanes(hn::LoadU(df, from + first), places_float), to);
         };
+#endif
         for (int axis = 0; axis < 3; ++axis) {
             load_ints(batch.cell[axis], cell_[axis]);
             load_floats(batch.frac[axis], frac_[axis]);
@@ -224,11 +279,23 @@ private:
         load_ints(batch.ray, ray_);
         load_ints(batch.height, height_);
         load_ints(batch.node, node_);
-        low_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), low_);
+        if constexpr (kPrefetch)
+            prefetch_node();
+        else
+            low_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), low_);
         for (int height = batch.top; height <= depth_; ++height)
-            hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di, stack_[height]);
-        live_ = hn::Or(live_, wanted_vector);
+            hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
+                             stack_ + static_cast<std::size_t>(height) * kLanes);
+        live_ = hn::Or(live_, hn::VecFromMask(di, take));
         count_live_ += count;
+    }
+
+    /// A bit for each lane without a ray.
+    HWY_INLINE std::uint32_t free_lanes() const {
+        const IntTag di;
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(di, hn::Eq(live_, hn::Zero(di)), bits);
+        return bits[0] | std::uint32_t{bits[1]} << 8;
     }
 
     const std::int32_t* words_;
@@ -245,8 +312,8 @@ private:
     Ints low_;     // the node's first word
     Ints high_;    // a leaf's second word
     Ints lane_;
-    Ints live_;                                            // all bits set where the lane has a ray
-    HWY_ALIGN std::int32_t stack_[kMaxDepth + 2][kLanes];  // by height: the nodes on the path
+    Ints live_;  // all bits set where the lane has a ray
+    HWY_ALIGN std::int32_t stack_[(kMaxDepth + 2) * kLanes];  // by height: the nodes on the path
 };
 
 }  // namespace octavo::HWY_NAMESPACE
