@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h and
-// attributes/cell_rank.h. A backend includes before it
+// The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h,
+// attributes/cell_rank.h and cell_value.h. A backend includes before it
 //     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
 //     and      uint light_load(LightView light, uint word);
 #pragma once
@@ -10,22 +10,16 @@ OCTAVO_SHARED_BEGIN
 
 const uint kHiddenLight = 0xf8000000u;
 
-// RGB9E5.
-OCTAVO_FN vec3 unpack_light(uint word) {
-    float scale = exp2(float(word >> 27) - 24.0f);
-    return scale * vec3(float(word & 511u), float((word >> 9) & 511u), float((word >> 18) & 511u));
-}
-
 // The light of a side of a cell; where it is hidden, the mean of those that are not.
 OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
     uint word = light_load(light, 6u * cell + uint(direction));
-    if (word != kHiddenLight) return unpack_light(word);
+    if (word != kHiddenLight) return unpack_rgb9e5(word);
     vec3 sum = vec3(0.0f);
     float count = 0.0f;
     for (uint i = 0u; i < 6u; i += 1u) {
         uint other = light_load(light, 6u * cell + i);
         if (other == kHiddenLight) continue;
-        sum += unpack_light(other);
+        sum += unpack_rgb9e5(other);
         count += 1.0f;
     }
     return sum / max(count, 1.0f);
@@ -88,7 +82,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
                 ray.t_max = 1.0f;
                 if (trace_any(dag, ray, to_voxels)) continue;
             }
-            sums[axis] += weight * unpack_light(word);
+            sums[axis] += weight * unpack_rgb9e5(word);
             weights[axis] += weight;
         }
     }

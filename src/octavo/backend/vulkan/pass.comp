@@ -16,6 +16,15 @@
 
 #include "octavo/trace/beam.h"
 
+#include "octavo/backend/vulkan/cell_views.glsl"
+
+#include "octavo/attributes/cell_rank.h"
+#include "octavo/attributes/cell_value.h"
+
+#include "octavo/attributes/cell_looks.h"
+#include "octavo/light/sky_radiance.h"
+#include "octavo/render/cell_light.h"
+
 #include "octavo/render/sampling.h"
 
 #include "octavo/render/ambient_occlusion.h"
