@@ -4,6 +4,7 @@
 import { type Config, readConfig, takeInlineScene } from './config';
 import { Engine, type Plan } from './gl/engine';
 import { Renderer, type Shot } from './gl/renderer';
+import { type CellLayout, kCellArrays } from './octv/cells';
 import type { CellBox } from './octv/content_bounds';
 import type { FaultKind } from './octv/errors';
 import type { Metadata } from './octv/metadata';
@@ -12,12 +13,13 @@ import type { Origin, Report } from './octv/worker';
 import { RemotePainter } from './remote_painter';
 import { SceneLoader } from './scene_loader';
 import { byId, fillFacts } from './ui/dom';
-import { megabytes, rounded, shortCount, worldNumber } from './ui/numbers';
+import { megabytes, rounded, shortCount, srgbText, worldNumber } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
 import { type Axes, type Box, type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { lampOf, storedLight, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
+import { storedSky } from './view/sky';
 import { type Settings, kDefaults, kModes } from './view/settings';
 import { type Vec3, add, length, scale, sub } from './view/vec';
 
@@ -30,6 +32,7 @@ interface Scene {
     loadedLevels: number; // from the root
     levelsWanted: number; // what fits
     box: Box | undefined; // of the voxels, world space
+    cells: CellLayout | undefined; // what cells look like, when all of it is there
     done: boolean;
 }
 
@@ -50,6 +53,7 @@ export class App {
     private engine: Engine | undefined;
     private config: Config | undefined;
     private painter: RemotePainter | undefined; // draws instead of this machine's GPU
+    private pendingCells: CellLayout | undefined;
     private linkTimer = 0;
     private toastTimer = 0;
     private shownStatistics = 0;
@@ -121,6 +125,7 @@ export class App {
         const { name, origin } = this.opened!;
         this.canvas.dataset.state = 'drawing'; // what is shown is not what was asked for any more
         if (this.scene) this.scene.done = false;
+        this.renderer?.dropCells();
         this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
     }
 
@@ -147,6 +152,22 @@ export class App {
             case 'bounds':
                 this.learnBounds(report.box);
                 return;
+            case 'cells':
+                if (!this.renderer?.reserveCells(report.layout)) this.toast('This GPU has no room for the colours', 8000);
+                this.pendingCells = report.layout;
+                return;
+            case 'cellWords':
+                this.renderer?.appendCells(report.words);
+                return;
+            case 'cellsReady':
+                this.renderer?.showCells();
+                scene!.cells = this.pendingCells;
+                this.panel.offer(this.offers());
+                this.redraw();
+                return;
+            case 'cellsLeftOut':
+                this.toast(report.why, 8000);
+                return;
             case 'done':
                 this.finishLoading();
                 return;
@@ -160,13 +181,14 @@ export class App {
         const { depth } = metadata.grid;
         const levelsWanted = this.reserve(metadata);
         const box = same ? this.scene!.box : undefined;
-        this.scene = { name, origin, metadata, fileBytes, loadedBytes: 0, loadedLevels: 0, levelsWanted, box, done: false };
+        this.scene = { name, origin, metadata, fileBytes, loadedBytes: 0, loadedLevels: 0, levelsWanted, box, cells: undefined, done: false };
         byId('scene-size').textContent = `${2 ** depth}³`;
         if (!same) {
             const light = storedLight(metadata);
             // Smoothing takes a GPU; without one faces are quick, and the control is there.
             const smooth = kDefaults.smooth && !this.renderer?.software;
-            this.base = { ...kDefaults, ...this.storedSun(metadata, light), light, smooth, finestLevel: depth };
+            const stored = metadata.storedLight !== undefined;
+            this.base = { ...kDefaults, ...this.storedSun(metadata, light), light, smooth, stored, finestLevel: depth };
             const link = readLink(location.hash);
             this.settings = { ...this.base, ...link.settings, memory: this.settings.memory };
             this.camera = link.camera;
@@ -316,6 +338,7 @@ export class App {
             ambient: settings.ambient,
             reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
             smooth: settings.smooth,
+            stored: settings.stored && this.hasStoredLight,
             light: settings.light,
             azimuth: settings.sunAzimuth * radians,
             elevation: settings.sunElevation * radians,
@@ -359,6 +382,7 @@ export class App {
             cone: settings.detail * uniforms.pitch,
             mode: settings.mode,
             smooth: settings.smooth,
+            stored: settings.stored && this.hasStoredLight ? storedSky(scene.metadata.storedLight!.sky) : undefined,
             up: axes.y,
             skySamples: settings.ambient ? 4 : 0,
             skyRadius: 0.01 * settings.ambientRadius * diagonalOf(scene.box!) * perVoxel,
@@ -444,16 +468,24 @@ export class App {
         this.rememberLink();
     }
 
+    /** There is light of cells, and someone who can draw with it. */
+    private get hasStoredLight(): boolean {
+        const { scene } = this;
+        if (!scene?.metadata.storedLight) return false;
+        return this.painter !== undefined || scene.cells?.begins[kCellArrays.indexOf('LITE')] !== undefined;
+    }
+
     private offers(): Offers {
         const metadata = this.scene?.metadata;
         const usable = metadata ? usableLights(metadata) : [];
         const chosen = usable.includes(this.settings.light) ? metadata!.lights[this.settings.light] : undefined;
         return {
-            modes: this.painter ? ['shaded'] : kModes,
+            modes: this.painter ? ['shaded'] : kModes.filter((mode) => mode !== 'color' || this.scene?.cells !== undefined),
             cameras: metadata?.cameras.map((camera, i) => camera.name || `Camera ${i + 1}`) ?? [],
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
+            storedLight: this.hasStoredLight,
             sunLight: !chosen || chosen.kind === 'sun',
             gpu: !this.painter,
         };
@@ -466,7 +498,7 @@ export class App {
         if (!scene?.box || !camera) return undefined;
         const { width, height } = this.canvas;
         const toPixels = width / this.canvas.clientWidth;
-        let found: { path: Vec3; height: number; face: number } | undefined;
+        let found: { path: Vec3; height: number; face: number; albedo?: Vec3; emission?: Vec3 } | undefined;
         if (painter) {
             const view = cameraUniforms(camera, this.axes, scene.metadata.grid, width, height);
             const across = scale(x * toPixels - width / 2, view.right);
@@ -492,6 +524,8 @@ export class App {
                 ['Size', rounded(size)],
                 ['Face', faces[found.face] ?? ''],
                 ['Distance', rounded(distance, 4)],
+                ...(found.albedo ? [['Colour', srgbText(found.albedo)] as [string, string]] : []),
+                ...(found.emission ? [['Emission', found.emission.map((value) => rounded(value)).join(', ')] as [string, string]] : []),
             ],
         };
     }
@@ -679,7 +713,7 @@ export class App {
             ['Rays', s.raysPerSecond > 0 ? `${shortCount(s.raysPerSecond)} a second` : 'at rest'],
             ['Picture', `${s.width} × ${s.height}, ${s.samples} ${s.samples === 1 ? 'sample' : 'samples'}`],
             ['Frames', s.framesPerSecond > 0 ? `${s.framesPerSecond} a second` : 'at rest'],
-            ['GPU memory', `${megabytes(renderer.words?.bytes ?? 0)} scene, ${megabytes(s.bytes)} pictures`],
+            ['GPU memory', `${megabytes(renderer.sceneBytes)} scene, ${megabytes(s.bytes)} pictures`],
             ...this.sceneFacts(scene),
             ['GPU', renderer.name],
         ]);

@@ -149,7 +149,7 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
             light += around * w.density / (around * w.density + source * density) * emission;
         }
     }
-    if (has(from_, LightFrom::cells)) light += world_.albedo(side) * world_.stored_light(side);
+    if (has(from_, LightFrom::cells)) light += world_.albedo(side) * world_.stored_light(hit, side);
     return light;
 }
 

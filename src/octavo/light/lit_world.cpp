@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/render/cell_views.h"
 #include "octavo/render/effects.h"
 
 namespace octavo {
@@ -98,18 +99,11 @@ vec3 LitWorld::emission(const CellSide& side) const {
     return attributes.emission(side.cell, direction_vector(side.direction));
 }
 
-vec3 LitWorld::stored_light(const CellSide& side) const {
+vec3 LitWorld::stored_light(const InstanceHit& hit, const CellSide& side) const {
     const CellLight& light = scene_.objects[side.object].light;
     if (side.cell == CellSide::kNoCell || light.empty()) return vec3(0.0f);
-    if (!light.hidden(side.cell, side.direction)) return light.get(side.cell, side.direction);
-    vec3 sum(0.0f);
-    int count = 0;
-    for (int direction = 0; direction < 6; ++direction) {
-        if (light.hidden(side.cell, direction)) continue;
-        sum += light.get(side.cell, direction);
-        ++count;
-    }
-    return count == 0 ? sum : sum / static_cast<float>(count);
+    return shared::side_light(shared::view(light), static_cast<std::uint32_t>(side.cell),
+                              side.direction, -hit.ray.dir);
 }
 
 }  // namespace octavo

@@ -77,9 +77,8 @@ public:
     /// What part of the light a side sends back; clay where the object has no colour.
     [[nodiscard]] vec3 albedo(const CellSide& side) const;
     [[nodiscard]] vec3 emission(const CellSide& side) const;
-    /// The light stored for a side. Where nothing is stored for it, because other voxels of the
-    /// cell hide it, that of the sides which are, evenly.
-    [[nodiscard]] vec3 stored_light(const CellSide& side) const;
+    /// The light stored for the side of a hit, see shared::side_light().
+    [[nodiscard]] vec3 stored_light(const InstanceHit& hit, const CellSide& side) const;
 
     /// World space; any length.
     [[nodiscard]] vec3 sky(const vec3& direction) const { return scene_.sky.radiance(direction); }

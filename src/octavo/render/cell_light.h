@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h,
-// attributes/cell_rank.h and cell_value.h. A backend includes before it
+// attributes/cell_rank.h, cell_value.h and render/surface.h. A backend includes before it
 //     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
 //     and      uint light_load(LightView light, uint word);
 #pragma once
@@ -10,19 +10,22 @@ OCTAVO_SHARED_BEGIN
 
 const uint kHiddenLight = 0xf8000000u;
 
-// The light of a side of a cell; where it is hidden, the mean of those that are not.
-OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
+// The light of the side of a cell that a ray met, which came from where `towards` points; any
+// length. A ray that runs along an edge of a wall may meet a side that is hidden: then that of the
+// sides that it could see, by how much they face it, and never of those behind, which may lie on
+// the wall's other side.
+OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 towards) {
     uint word = light_load(light, 6u * cell + uint(direction));
     if (word != kHiddenLight) return unpack_rgb9e5(word);
     vec3 sum = vec3(0.0f);
-    float count = 0.0f;
-    for (uint i = 0u; i < 6u; i += 1u) {
-        uint other = light_load(light, 6u * cell + i);
-        if (other == kHiddenLight) continue;
-        sum += unpack_rgb9e5(other);
-        count += 1.0f;
+    float weights = 0.0f;
+    for (int axis = 0; axis < 3; axis += 1) {
+        word = light_load(light, 6u * cell + uint(2 * axis + (towards[axis] > 0.0f ? 1 : 0)));
+        if (word == kHiddenLight) continue;
+        sum += abs(towards[axis]) * unpack_rgb9e5(word);
+        weights += abs(towards[axis]);
     }
-    return sum / max(count, 1.0f);
+    return weights > 0.0f ? sum / weights : vec3(0.0f);
 }
 
 // What a white surface at a hit sends back, by the light of the cells around it.
@@ -35,11 +38,11 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction) {
 // of their light comes through.
 //
 //   surface  a ray from the hit, on its face (leave_hit)
-//   before   where the surface is seen from: a ray from above the face, or the same
+//   before   where the surface is seen from, and its normal: lifted off the face, or on it
 //   face     of the cell that was hit
-//   normal   unit length
 OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRay surface,
-                            GridRay before, int face, vec3 normal) {
+                            SurfacePoint before, int face) {
+    vec3 normal = before.normal;
     Stop to_voxels;
     to_voxels.height = 0;
     to_voxels.cone = 0.0f;
@@ -73,12 +76,11 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
             if (direction != face || any(notEqual(cell, own))) {
                 vec3 to = vec3(cell) + 0.5f;
                 to[axis] += normal[axis] > 0.0f ? 0.75f : -0.75f;
-                GridRay ray = before;
+                GridRay ray = surface_ray(before);
                 ray.dir = bend_outwards(
                     (to - vec3(before.cell >> shift)) * width -
                         (vec3(before.cell - ((before.cell >> shift) << shift)) + before.frac),
-                    face);
-                ray.t_min = 0.0f;
+                    before.face);
                 ray.t_max = 1.0f;
                 if (trace_any(dag, ray, to_voxels)) continue;
             }
@@ -98,7 +100,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
     if (any(notEqual(own >> cells.level, ivec3(0)))) return vec3(0.0f);
     uint rank = cell_rank(dag, cells, uvec3(own));
     if (rank == kNoCell || face >= kFaceInside) return vec3(0.0f);
-    return side_light(light, rank, face);
+    return side_light(light, rank, face, normal);
 }
 
 OCTAVO_SHARED_END

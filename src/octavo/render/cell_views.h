@@ -3,6 +3,7 @@
 
 #include "octavo/attributes/attributes.h"
 #include "octavo/attributes/cell_light.h"
+#include "octavo/render/effects.h"
 #include "octavo/trace/dag_view.h"
 
 /// The CPU's side of the shared look-up of cells' looks and light, which CUDA takes as it is.

@@ -93,10 +93,10 @@ private:
 
     void write_depths(const std::vector<Pixel>& pixels, const std::vector<InstanceHit>& hits,
                       Image& image) const {
-        const auto voxel = static_cast<float>(world_.instances().grid().voxel_size);
+        const double voxel = world_.instances().grid().voxel_size;
         for (std::size_t k = 0; k < pixels.size(); ++k)
             image.depth[image.index(pixels[k].at.x, pixels[k].at.y)] =
-                hits[k] ? (rays_.t_before() + hits[k].hit.t) * voxel
+                hits[k] ? static_cast<float>((rays_.t_before() + hits[k].hit.t) * voxel)
                         : std::numeric_limits<float>::infinity();
     }
 
@@ -113,9 +113,9 @@ private:
             if (options_.smooth_normals)
                 before = smoothed_point(dag, hit.ray, hit.hit,
                                         normals[hit.object].get(dag, hit.ray, hit.hit), 0);
-            const vec3 light = cached_light(dag, shared::view(object.attributes.cells()),
-                                            shared::view(object.light), surface,
-                                            surface_ray(before), hit.hit.face, before.normal);
+            const vec3 light =
+                cached_light(dag, shared::view(object.attributes.cells()),
+                             shared::view(object.light), surface, before, hit.hit.face);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }

@@ -11,7 +11,16 @@ import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
 import surface from '../../../src/octavo/render/surface.h?raw';
 import smoothNormal from '../../../src/octavo/render/smooth_normal.h?raw';
 import shading from '../../../src/octavo/render/shade.h?raw';
+import cellRank from '../../../src/octavo/attributes/cell_rank.h?raw';
+import cellValue from '../../../src/octavo/attributes/cell_value.h?raw';
+import cellLooks from '../../../src/octavo/attributes/cell_looks.h?raw';
+import cellLight from '../../../src/octavo/render/cell_light.h?raw';
+import skyRadiance from '../../../src/octavo/light/sky_radiance.h?raw';
 import dag from '../shaders/dag.glsl?raw';
+import cells from '../shaders/cells.glsl?raw';
+import looks from '../shaders/looks.glsl?raw';
+import skyPixels from '../shaders/sky.glsl?raw';
+import storedMain from '../shaders/stored.frag?raw';
 import view from '../shaders/view.glsl?raw';
 import beamMain from '../shaders/beam.frag?raw';
 import hit from '../shaders/hit.glsl?raw';
@@ -57,8 +66,14 @@ export function keepText(): string {
     return `${kVersion}${kPrecision}${keepMain}`;
 }
 
+const kLooks = [shading, cells, cellRank, cellValue, cellLooks, looks];
+
 export function shadeText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, shading, shadeMain]);
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, ...kLooks, shadeMain]);
+}
+
+export function storedText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, ...kLooks, cellLight, skyPixels, skyRadiance, storedMain]);
 }
 
 export function beamText(rowBits: number): string {
@@ -66,7 +81,7 @@ export function beamText(rowBits: number): string {
 }
 
 export function pickText(rowBits: number): string {
-    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, pickMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, ...kLooks, pickMain]);
 }
 
 export function presentText(): string {

@@ -4,6 +4,7 @@ const int kShaded = 0;
 const int kNormals = 1;
 const int kLevels = 2;
 const int kSteps = 3;
+const int kColor = 4;
 
 uniform highp usampler2D hits;
 uniform highp usampler2D cache;      // see hit.glsl
@@ -35,6 +36,11 @@ vec3 ramp(float t) {
     return mix(stops[i], stops[i + 1], at - float(i));
 }
 
+vec3 srgb(vec3 x) {
+    x = clamp(x, 0.0, 1.0);
+    return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
+}
+
 SurfacePoint surface_point(DagView dag, GridRay ray, GridHit hit, uint seed) {
     if (smoothed && hit.face < kFaceInside) {
         uvec4 slot = texelFetch(cache, slot_of(hit), 0);
@@ -63,7 +69,7 @@ SeenLamp see_lamp(SurfacePoint point) {
     return lamp;
 }
 
-vec4 shade(DagView dag, SurfacePoint point) {
+vec4 shade(DagView dag, SurfacePoint point, CellLook look) {
     Stop to_voxels;
     to_voxels.height = primary_stop.height;
     to_voxels.cone = 0.0;
@@ -94,7 +100,7 @@ vec4 shade(DagView dag, SurfacePoint point) {
         }
         light += part * cosine * lamp.strength * 0.31830989 * lamp_intensity;
     }
-    return vec4(clay() * light, rays);
+    return vec4(look.albedo * light + look.emission, rays);
 }
 
 vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
@@ -108,9 +114,11 @@ vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
         float facing = hit.face >= kFaceInside ? 1.0 : abs(normalize(ray.dir)[hit.face / 2]);
         return vec4(ramp(level) * (0.7 + 0.3 * facing), 1.0);
     }
+    CellLook look = seen_look(dag, hit, -ray.dir);
+    if (mode == kColor) return vec4(srgb(look.albedo + look.emission), 1.0);
     SurfacePoint point = surface_point(dag, ray, hit, seed);
     if (mode == kNormals) return vec4(0.5 + 0.5 * point.normal, 1.0);
-    return shade(dag, point);
+    return shade(dag, point, look);
 }
 
 void main() {

@@ -3,7 +3,7 @@
 // What the picture shows beside the camera: all that a link carries.
 import type { UpAxis } from './camera';
 
-export const kModes = ['shaded', 'normals', 'levels', 'steps'] as const;
+export const kModes = ['shaded', 'normals', 'levels', 'steps', 'color'] as const;
 export type Mode = (typeof kModes)[number];
 export const kShadows = ['none', 'hard', 'soft'] as const;
 export type Shadows = (typeof kShadows)[number];
@@ -11,6 +11,7 @@ export type Shadows = (typeof kShadows)[number];
 export interface Settings {
     mode: Mode;
     up: UpAxis;
+    stored: boolean; // by the light that the file has of its cells
     light: number; // of the file's lights; -1: the sun that the panel turns
     sunAzimuth: number; // degrees
     sunElevation: number;
@@ -30,6 +31,7 @@ export interface Settings {
 export const kDefaults: Settings = {
     mode: 'shaded',
     up: 'y',
+    stored: false,
     light: -1,
     sunAzimuth: -20,
     sunElevation: 42,

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { describe, expect, it } from 'vitest';
+import { cellValue, findValueFault } from '../../src/octv/cell_values';
+import { type CellLayout, kCellArrays } from '../../src/octv/cells';
 import type { CellBox } from '../../src/octv/content_bounds';
 import { FileFault } from '../../src/octv/errors';
 import { type FileFacts, levelsThatFit, readOctv } from '../../src/octv/reader';
@@ -12,11 +14,13 @@ interface Read {
     words: number[];
     levels: number[];
     box?: CellBox;
+    layout?: CellLayout;
+    cellWords: number[];
     events: string[];
 }
 
 async function read(source: ByteSource | Bytes, maxDagBytes = Infinity): Promise<Read> {
-    const result: Read = { words: [], levels: [], events: [] };
+    const result: Read = { words: [], levels: [], cellWords: [], events: [] };
     await readOctv(
         source instanceof Uint8Array ? new MemorySource(source) : source,
         {
@@ -25,6 +29,10 @@ async function read(source: ByteSource | Bytes, maxDagBytes = Infinity): Promise
             words: (words) => (result.words.push(...words), result.events.push('words')),
             level: (level) => (result.levels.push(level), result.events.push(`level ${level}`)),
             bounds: (box) => (result.box = box),
+            cells: (layout) => (result.layout = layout),
+            cellWords: (words) => result.cellWords.push(...words),
+            cellsReady: () => result.events.push('cells'),
+            cellsLeftOut: (why) => result.events.push(why),
         },
         { maxDagBytes },
     );

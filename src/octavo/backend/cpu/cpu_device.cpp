@@ -135,9 +135,10 @@ public:
                     const shared::GridRay surface{ivec3(voxel), vec3(at - voxel), normal, 0.0f,
                                                   1e30f};
                     if (!out.light.empty())
-                        sent = cached_light(dag_view, shared::view(attributes.cells()),
-                                            shared::view(light), surface, *before,
-                                            shared::kFaceNone, normal);
+                        sent = cached_light(
+                            dag_view, shared::view(attributes.cells()), shared::view(light),
+                            surface, {before->cell, before->frac, normal, shared::kFaceNone, 0, 1},
+                            shared::kFaceNone);
                 }
                 if (!out.albedo.empty()) out.albedo[i] = albedo;
                 if (!out.emission.empty()) out.emission[i] = emission;

@@ -23,7 +23,6 @@
 
 #include "octavo/attributes/cell_looks.h"
 #include "octavo/light/sky_radiance.h"
-#include "octavo/render/cell_light.h"
 
 #include "octavo/render/sampling.h"
 
@@ -33,6 +32,7 @@
 #include "octavo/render/shadow.h"
 #include "octavo/render/surface.h"
 
+#include "octavo/render/cell_light.h"
 #include "octavo/render/lamp_light.h"
 #include "octavo/render/smooth_normal.h"
 
