@@ -7,7 +7,7 @@
 
 #include "backend/coloured_scenes.h"
 #include "octavo/core/morton.h"
-#include "octavo/render/cell_views.h"
+#include "octavo/light/cell_views.h"
 
 namespace octavo {
 namespace {

@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "octavo/render/lamp.h"
-#include "octavo/render/ray_queue.h"
+#include "octavo/light/lamp.h"
+#include "octavo/trace/ray_queue.h"
 #include "support/exact_trace.h"
 #include "support/random_rays.h"
 #include "support/small_dags.h"
@@ -67,6 +67,20 @@ TEST(Sampling, CosineDirectionsAverageToTwoThirdsOfTheNormal) {
             sum += d / 1024.0f;
         }
         EXPECT_LT(glm::length(sum - n * (2.0f / 3.0f)), 0.01f);
+    }
+}
+
+TEST(Surface, HitOverAnEdgeGoesToTheFaceThatIsOpen) {
+    for (const bool before_x : {false, true}) {
+        // Two voxels side by side; the ray comes exactly over the second one's edge.
+        const uvec3 other = before_x ? uvec3(3, 4, 4) : uvec3(4, 4, 3);
+        const Dag dag = test::dag_of(
+            3, [](const uvec3&, std::uint32_t) { return true; },
+            [&](const uvec3& v) { return v == uvec3(4, 4, 4) || v == other; });
+        const s::GridRay ray{{1, 4, 1}, vec3(0.5f), vec3(1, 0, 1), 0.0f, 1e30f};
+        const s::GridHit hit = s::trace_closest(s::view(dag), ray, kToVoxels);
+        ASSERT_EQ(hit.path, uvec3(4, 4, 4));
+        EXPECT_EQ(s::move_to_open_face(s::view(dag), ray, hit).face, before_x ? 4 : 0);
     }
 }
 

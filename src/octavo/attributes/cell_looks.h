@@ -108,7 +108,8 @@ OCTAVO_FN CellLook cell_look(DagView dag, CellLooks looks, uvec3 path, int level
     mean.emission = vec3(0.0f);
     if (level >= looks.cells.level) {
         uint rank = cell_rank(dag, looks.cells, path >> uint(level - looks.cells.level));
-        return rank == kNoCell ? mean : look_of_cell(looks, rank, towards);
+        if (rank == kNoCell) return mean;
+        return look_of_cell(looks, rank, towards);
     }
     uvec2 range = cells_in(dag, looks.cells, path, level);
     uint size = range.y - range.x;

@@ -11,7 +11,7 @@
 
 #include "octavo/backend/device.h"
 #include "octavo/light/sky.h"
-#include "octavo/render/cell_views.h"
+#include "octavo/light/cell_views.h"
 #include "octavo/render/effects.h"
 
 #include "octavo/backend/passes.h"

@@ -2,7 +2,7 @@
 //
 // What one thread of a GPU does in each pass over rays or pixels: it reads from arrays, calls the
 // shared text of trace/ and render/, and writes to arrays. Shared text for CUDA, GLSL 4.6 and, in
-// tests, C++; include after render/effects.h, render/cell_views.h and light/sky.h, or the shared
+// tests, C++; include after render/effects.h, light/cell_views.h and light/sky.h, or the shared
 // text that they name.
 //
 // A job is what all threads of a pass have in common. Its first member is the DAG; arrays come
@@ -282,6 +282,7 @@ OCTAVO_FN void cached_pass(PixelJob job, uint i) {
     int seen = face_seen(ray, hit);
     towards[seen / 2] = (seen & 1) == 1 ? 1.0f : -1.0f;
     CellLook look = cell_look(job.dag, job.looks, hit.path, job.dag.depth - hit.height, towards);
+    hit = move_to_open_face(job.dag, ray, hit);
     SurfacePoint point = flat_point(ray, hit, 0u);
     GridRay surface = surface_ray(point);
     if (job.smoothed != 0)

@@ -4,7 +4,8 @@
 // engine's business (engine.ts).
 import type { CellLayout } from '../octv/cells';
 import { type CameraUniforms } from '../view/camera';
-import type { Mode } from '../view/settings';
+import { type PlacedLamps, kLampRow } from '../view/lamps';
+import type { Mode, Shadows } from '../view/settings';
 import type { Vec3 } from '../view/vec';
 import { Program } from './program';
 import {
@@ -25,15 +26,8 @@ export interface Shot {
     up: Vec3;
     skySamples: number;
     skyRadius: number; // voxels
-    lampSamples: number;
-    lamp: {
-        sun: boolean;
-        direction: Vec3;
-        position: Vec3; // grid space
-        radius: number; // sun: radians; lamp: voxels
-        intensity: Vec3; // lamp: over square voxels
-        spot?: { outer: number; inner: number };
-    };
+    shadows: Shadows;
+    lamps: PlacedLamps;
 }
 
 export interface StoredSky {
@@ -125,6 +119,7 @@ export class Renderer {
     private stored: Program | undefined; // made for the first file that has light
     private cells: { texture: WordsTexture; layout: CellLayout; ready: boolean } | undefined;
     private readonly noCells: WordsTexture;
+    private lamps: { of: PlacedLamps; texture: WebGLTexture } | undefined;
     private picker: Program | undefined;
     private pickFrame: WebGLFramebuffer | undefined;
     private probe: { frame: WebGLFramebuffer; buffer: WebGLBuffer; sync?: WebGLSync } | undefined;
@@ -420,21 +415,26 @@ export class Renderer {
 
     private setShading(program: Program, shot: Shot): void {
         const { gl } = this;
-        const { lamp } = shot;
         gl.uniform1i(program.at('mode'), kModeNumbers[shot.mode]);
         gl.uniform3fv(program.at('up'), shot.up);
         gl.uniform1f(program.at('depth_levels'), shot.gridDepth);
         gl.uniform1i(program.at('sky_samples'), shot.skySamples);
         gl.uniform1f(program.at('sky_radius'), shot.skyRadius);
-        gl.uniform1i(program.at('lamp_samples'), shot.lampSamples);
-        gl.uniform1i(program.at('lamp_is_sun'), lamp.sun ? 1 : 0);
-        gl.uniform3fv(program.at('lamp_direction'), lamp.direction);
-        const cell = lamp.position.map(Math.floor) as Vec3;
-        gl.uniform3iv(program.at('lamp_cell'), cell);
-        gl.uniform3f(program.at('lamp_frac'), lamp.position[0] - cell[0], lamp.position[1] - cell[1], lamp.position[2] - cell[2]);
-        gl.uniform1f(program.at('lamp_radius'), lamp.radius);
-        gl.uniform3fv(program.at('lamp_intensity'), lamp.intensity);
-        gl.uniform2f(program.at('spot_cosines'), lamp.spot?.outer ?? -2, lamp.spot?.inner ?? -2);
+        gl.uniform1i(program.at('shadows'), { none: 0, hard: 1, soft: 2 }[shot.shadows]);
+        gl.uniform1i(program.at('lamp_count'), shot.lamps.count);
+        this.bind(program, 'lamp_texels', 5, this.lampTexture(shot.lamps));
+    }
+
+    private lampTexture(lamps: PlacedLamps): WebGLTexture {
+        if (this.lamps?.of === lamps) return this.lamps.texture;
+        const { gl } = this;
+        if (this.lamps) gl.deleteTexture(this.lamps.texture);
+        const rows = lamps.texels.length / (4 * kLampRow);
+        const { texture, frame } = target(gl, gl.RGBA32UI, kLampRow, rows);
+        gl.deleteFramebuffer(frame);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kLampRow, rows, gl.RGBA_INTEGER, gl.UNSIGNED_INT, lamps.texels);
+        this.lamps = { of: lamps, texture };
+        return texture;
     }
 
     private setCells(program: Program): void {

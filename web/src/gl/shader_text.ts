@@ -4,18 +4,22 @@
 import sharedText from '../../../src/octavo/trace/shared_text.h?raw';
 import traverse from '../../../src/octavo/trace/traverse.h?raw';
 import beams from '../../../src/octavo/trace/beam.h?raw';
-import sampling from '../../../src/octavo/render/sampling.h?raw';
+import sampling from '../../../src/octavo/light/sampling.h?raw';
 import ambientOcclusion from '../../../src/octavo/render/ambient_occlusion.h?raw';
-import shadow from '../../../src/octavo/render/shadow.h?raw';
+import shadow from '../../../src/octavo/light/shadow.h?raw';
 import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
-import surface from '../../../src/octavo/render/surface.h?raw';
-import smoothNormal from '../../../src/octavo/render/smooth_normal.h?raw';
-import shading from '../../../src/octavo/render/shade.h?raw';
+import surface from '../../../src/octavo/light/surface.h?raw';
+import smoothNormal from '../../../src/octavo/light/smooth_normal.h?raw';
+import shading from '../../../src/octavo/light/shade.h?raw';
 import cellRank from '../../../src/octavo/attributes/cell_rank.h?raw';
 import cellValue from '../../../src/octavo/attributes/cell_value.h?raw';
 import cellLooks from '../../../src/octavo/attributes/cell_looks.h?raw';
-import cellLight from '../../../src/octavo/render/cell_light.h?raw';
 import skyRadiance from '../../../src/octavo/light/sky_radiance.h?raw';
+import cellLight from '../../../src/octavo/light/cell_light.h?raw';
+import lampTriangle from '../../../src/octavo/light/lamp_triangle.h?raw';
+import lampLight from '../../../src/octavo/light/lamp_light.h?raw';
+import lampTexels from '../shaders/lamps.glsl?raw';
+import placedLamp from '../shaders/placed_lamp.glsl?raw';
 import dag from '../shaders/dag.glsl?raw';
 import cells from '../shaders/cells.glsl?raw';
 import looks from '../shaders/looks.glsl?raw';
@@ -69,7 +73,7 @@ export function keepText(): string {
 const kLooks = [shading, cells, cellRank, cellValue, cellLooks, looks];
 
 export function shadeText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, ...kLooks, shadeMain]);
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, lampTriangle, lampTexels, lampLight, placedLamp, ...kLooks, shadeMain]);
 }
 
 export function storedText(rowBits: number): string {

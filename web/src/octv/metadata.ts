@@ -164,14 +164,15 @@ function readLight(value: unknown, i: number): StoredLight {
         size: angle('size'),
         halfU: json.half_u === undefined ? [0, 0, 0] : vec3(json.half_u, `${key}.half_u`),
         halfV: json.half_v === undefined ? [0, 0, 0] : vec3(json.half_v, `${key}.half_v`),
-        triangles: json.triangles === undefined ? [] : array(json.triangles, `${key}.triangles`).map((each) => readTriangle(each, `${key}.triangles`)),
+        triangles: readTriangles(json.triangles, `${key}.triangles`),
     };
 }
 
-function readTriangle(value: unknown, key: string): number[] {
-    const list = array(value, key);
-    if (list.length !== 9) fail(key, 'does not have nine numbers each');
-    return list.map((entry) => number(entry, key));
+function readTriangles(value: unknown, key: string): number[][] {
+    if (value === undefined) return [];
+    const list = array(value, key).map((entry) => number(entry, key));
+    if (list.length % 9 !== 0) fail(key, 'does not have nine numbers for each triangle');
+    return Array.from({ length: list.length / 9 }, (_, i) => list.slice(9 * i, 9 * i + 9));
 }
 
 function readAttributes(value: unknown, depth: number): Metadata['attributes'] {

@@ -80,7 +80,7 @@ export class Panel {
             this.fillSelect(select, first ? [first, ...options] : options);
         };
         if (before?.cameras.join() !== offers.cameras.join()) named(offers.cameras, 'cameras', ['-1', 'Free']);
-        this.fillSelect('lights', [['-1', 'Sun of the viewer'], ...offers.lights.map(({ number, name }): [string, string] => [String(number), name])]);
+        this.fillSelect('lights', [['-1', 'Sun of the viewer'], ...(offers.lights.length > 1 ? [['-2', `All ${offers.lights.length}`] as [string, string]] : []), ...offers.lights.map(({ number, name }): [string, string] => [String(number), name])]);
         byId('cameras-row').hidden = offers.cameras.length === 0;
         byId('lights-row').hidden = offers.lights.length === 0;
         byId('row-sunAzimuth').hidden = byId('row-sunElevation').hidden = !offers.sunLight;

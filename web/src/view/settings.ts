@@ -12,7 +12,7 @@ export interface Settings {
     mode: Mode;
     up: UpAxis;
     stored: boolean; // by the light that the file has of its cells
-    light: number; // of the file's lights; -1: the sun that the panel turns
+    light: number; // of the file's lights; -1: the sun that the panel turns; -2: all
     sunAzimuth: number; // degrees
     sunElevation: number;
     sunSize: number; // degrees, the angular radius
@@ -50,7 +50,7 @@ export const kDefaults: Settings = {
 
 /** Number settings: what a control offers and a link may carry. */
 export const kRanges = {
-    light: { least: -1, most: 1000, step: 1 },
+    light: { least: -2, most: 1000, step: 1 },
     sunAzimuth: { least: -180, most: 180, step: 1 },
     sunElevation: { least: -10, most: 90, step: 1 },
     sunSize: { least: 0, most: 10, step: 0.05 },

@@ -13,7 +13,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
-#include "octavo/render/cell_views.h"
+#include "octavo/light/cell_views.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/render_lit.h"
 #include "octavo/trace/wide.h"

@@ -42,7 +42,7 @@ public:
 
     /// The DAG on the device, for kernels of the caller's own that include trace/traverse.h.
     [[nodiscard]] const shared::DagView& dag() const { return model_->dag; }
-    /// Its cells' looks and light, for kernels that include render/cell_views.h.
+    /// Its cells' looks and light, for kernels that include light/cell_views.h.
     [[nodiscard]] const GpuModel& model() const { return *model_; }
 
 private:

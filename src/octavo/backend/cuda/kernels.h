@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "octavo/light/sky.h"
-#include "octavo/render/cell_views.h"
+#include "octavo/light/cell_views.h"
 #include "octavo/render/effects.h"
 
 #include "octavo/backend/passes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Where the words beside those of a DAG lie in Vulkan, and the pixels of a sky: as the structs of
-// render/cell_views.h and light/sky.h. Include after dag_view.glsl.
+// light/cell_views.h and light/sky.h. Include after dag_view.glsl.
 
 struct WordArray {
     DagWords at;     // or, with pages, the address of their table

@@ -3,7 +3,7 @@
 
 #include "octavo/attributes/attributes.h"
 #include "octavo/attributes/cell_light.h"
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 #include "octavo/trace/dag_view.h"
 
 /// The CPU's side of the shared look-up of cells' looks and light, which CUDA takes as it is.
@@ -46,7 +46,7 @@ OCTAVO_FN uint light_load(LightView light, uint word) {
 #include "octavo/attributes/cell_value.h"
 
 #include "octavo/attributes/cell_looks.h"
-#include "octavo/render/cell_light.h"
+#include "octavo/light/cell_light.h"
 
 namespace octavo::shared {
 
