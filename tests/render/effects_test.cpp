@@ -70,6 +70,20 @@ TEST(Sampling, CosineDirectionsAverageToTwoThirdsOfTheNormal) {
     }
 }
 
+TEST(Surface, HitOverAnEdgeGoesToTheFaceThatIsOpen) {
+    for (const bool before_x : {false, true}) {
+        // Two voxels side by side; the ray comes exactly over the second one's edge.
+        const uvec3 other = before_x ? uvec3(3, 4, 4) : uvec3(4, 4, 3);
+        const Dag dag = test::dag_of(
+            3, [](const uvec3&, std::uint32_t) { return true; },
+            [&](const uvec3& v) { return v == uvec3(4, 4, 4) || v == other; });
+        const s::GridRay ray{{1, 4, 1}, vec3(0.5f), vec3(1, 0, 1), 0.0f, 1e30f};
+        const s::GridHit hit = s::trace_closest(s::view(dag), ray, kToVoxels);
+        ASSERT_EQ(hit.path, uvec3(4, 4, 4));
+        EXPECT_EQ(s::move_to_open_face(s::view(dag), ray, hit).face, before_x ? 4 : 0);
+    }
+}
+
 TEST(AmbientOcclusion, OpenPlaneIsNotOccludedAtAll) {
     const Dag dag = room_corner(6, false);
     for (float x = 1; x < 63; x += 7)

@@ -34,9 +34,10 @@ LitWorld::LitWorld(const LitScene& scene, const std::optional<dvec3>& centre)
 
 LitPoint LitWorld::point(const InstanceHit& hit, bool smooth, NormalCaches& normals) const {
     const shared::DagView dag = shared::view(instances_.objects()[hit.object].dag);
-    const vec3 face = shared::face_normal(hit.ray, hit.hit);
-    const vec3 normal = smooth ? normals[hit.object].get(dag, hit.ray, hit.hit) : face;
-    return point(hit.object, shared::leave_hit(hit.ray, hit.hit, face), hit.hit.face, normal);
+    const shared::GridHit open = shared::move_to_open_face(dag, hit.ray, hit.hit);
+    const vec3 face = shared::face_normal(hit.ray, open);
+    const vec3 normal = smooth ? normals[hit.object].get(dag, hit.ray, open) : face;
+    return point(hit.object, shared::leave_hit(hit.ray, open, face), open.face, normal);
 }
 
 LitPoint LitWorld::point(std::uint32_t object, const shared::GridRay& on_face, int face,

@@ -114,14 +114,15 @@ private:
             if (!hit) continue;
             const LitObject& object = world_.scene().objects[hit.object];
             const shared::DagView dag = shared::view(object.dag);
-            shared::SurfacePoint before = flat_point(hit.ray, hit.hit, 0);
+            const shared::GridHit open = move_to_open_face(dag, hit.ray, hit.hit);
+            shared::SurfacePoint before = flat_point(hit.ray, open, 0);
             const shared::GridRay surface = surface_ray(before);
             if (options_.smooth_normals)
-                before = smoothed_point(dag, hit.ray, hit.hit,
-                                        normals[hit.object].get(dag, hit.ray, hit.hit), 0);
+                before = smoothed_point(dag, hit.ray, open,
+                                        normals[hit.object].get(dag, hit.ray, open), 0);
             const vec3 light =
                 cached_light(dag, shared::view(object.attributes.cells()),
-                             shared::view(object.light), surface, before, hit.hit.face);
+                             shared::view(object.light), surface, before, open.face);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }

@@ -41,16 +41,16 @@ OCTAVO_FN bool cell_exists(DagView dag, ivec3 cell, int height) {
     return true;
 }
 
-// The hit, on a face of its cell that open space lies before.
+// The hit, on a face of its cell that open space lies before: the face that looks most towards the
+// ray. A point on any other would be black, for its rays start inside the surface. Rays meet such a
+// face in two ways:
 //
-// A ray that first stops at larger cells comes through the empty half of one, which it was still
-// too near to stop at, into the side of the next. That side is inside the surface as the larger
-// cells draw it, and would show as a dark line; the hit goes to the face that looks most towards
-// the ray.
+// - A ray that enters a cell over an edge crosses two planes at one time, and one face is named.
+// - A ray that first stops at larger cells comes through the empty half of one, which it was still
+//   too near to stop at, into the side of the next, and that is inside as larger cells draw it.
 OCTAVO_FN GridHit move_to_open_face(DagView dag, GridRay ray, GridHit hit) {
     ivec3 cell = ivec3(hit.path);
-    if (hit.height == 0 || hit.face >= kFaceInside ||
-        !cell_exists(dag, cell + step_across(hit.face), hit.height))
+    if (hit.face >= kFaceInside || !cell_exists(dag, cell + step_across(hit.face), hit.height))
         return hit;
     float best = 0.0f;
     for (int face = 0; face < kFaceInside; face += 1) {
