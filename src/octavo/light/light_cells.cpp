@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/light/gather.h"
 
@@ -181,6 +182,15 @@ private:
         if (cells.count() > CellLight::kMostCells)
             throw Error(Errc::limit, "light is for at most 715 million cells; this object has " +
                                          std::to_string(cells.count()));
+        // A small file may have attributes of very many cells, where they are all alike.
+        const std::uint64_t bytes = 6 * sizeof(std::uint32_t) * cells.count() *
+                                    (static_cast<std::uint64_t>(options_.bounces) + 1);
+        if (bytes > machine_memory_bytes() / 2)
+            throw Error(Errc::limit,
+                        "the light of " + std::to_string(cells.count()) + " cells and " +
+                            std::to_string(options_.bounces) + " bounces takes " +
+                            std::to_string(bytes) +
+                            " bytes, which is more than half of this machine's memory");
         const std::uint64_t blocks = (cells.count() + kBlockCells - 1) / kBlockCells;
         std::vector<std::vector<Side>> found(blocks);
         tbb::parallel_for(std::uint64_t{0}, blocks, [&](std::uint64_t b) {
