@@ -21,6 +21,7 @@ endif()
 if(OCTAVO_HAS_PAGE)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/src/*)
     file(GLOB shared CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/octavo/trace/*.h
+         ${PROJECT_SOURCE_DIR}/src/octavo/light/*.h
          ${PROJECT_SOURCE_DIR}/src/octavo/render/*.h)
     add_custom_command(OUTPUT ${OCTAVO_VIEWER_PAGE}
         COMMAND ${CMAKE_COMMAND} -D WEB=${PROJECT_SOURCE_DIR}/web -D PAGE=${OCTAVO_VIEWER_PAGE}

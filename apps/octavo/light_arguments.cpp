@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "arguments.h"
+#include "key_values.h"
 #include "octavo/render/render.h"
 
 namespace octavo::cli {
@@ -20,40 +21,6 @@ constexpr double kSpotAngle = 30.0 * kRadiansPerDegree;
 [[noreturn]] void refuse(const std::string& reason) {
     throw Error(Errc::bad_argument, reason);
 }
-
-/// "key=value" parts behind a light's kind and place.
-class Parts {
-public:
-    explicit Parts(std::string_view text) {
-        while (!text.empty()) {
-            const std::size_t end = text.find(':');
-            const std::string_view part = text.substr(0, end);
-            const std::size_t equals = part.find('=');
-            if (equals == std::string_view::npos)
-                refuse("'" + std::string(part) + "' is not KEY=VALUE");
-            parts_.push_back(
-                {std::string(part.substr(0, equals)), std::string(part.substr(equals + 1))});
-            text = end == std::string_view::npos ? "" : text.substr(end + 1);
-        }
-    }
-    /// Takes the part with this key away, if it is there.
-    std::optional<std::string> take(const std::string& key) {
-        const auto found = std::ranges::find(parts_, key, &Part::key);
-        if (found == parts_.end()) return std::nullopt;
-        std::string value = found->value;
-        parts_.erase(found);
-        return value;
-    }
-    void check_all_taken(const std::string& kind) const {
-        if (!parts_.empty()) refuse("a " + kind + " has no '" + parts_.front().key + "'");
-    }
-
-private:
-    struct Part {
-        std::string key, value;
-    };
-    std::vector<Part> parts_;
-};
 
 dvec3 unit(const dvec3& v, const std::string& what) {
     const double length = glm::length(v);
@@ -72,7 +39,8 @@ void set_sides(Light& light, const std::string& size, const dvec3& up) {
     light.half_v = 0.5 * sides[1] * glm::cross(across, light.direction);
 }
 
-Light parse_lamp(const std::string& kind, const std::string& place, Parts& parts, const dvec3& up) {
+Light parse_lamp(const std::string& kind, const std::string& place, KeyValues& parts,
+                 const dvec3& up) {
     Light light;
     light.position = parse_vec3(place);
     if (kind == "point") {
@@ -164,7 +132,7 @@ LightArgument parse_light(const std::string& text, const dvec3& up) {
         refuse("a " + kind + " needs a place, as in " + kind + ":1,2,3");
     const std::size_t end = std::min(text.find(':', colon + 1), text.size());
     const std::string place = text.substr(colon + 1, end - colon - 1);
-    Parts parts(std::string_view(text).substr(std::min(end + 1, text.size())));
+    KeyValues parts(std::string_view(text).substr(std::min(end + 1, text.size())));
 
     const auto color = parts.take("color");
     const auto power = parts.take("power");
@@ -175,7 +143,7 @@ LightArgument parse_light(const std::string& text, const dvec3& up) {
     } else {
         argument.light = parse_lamp(kind, place, parts, up);
     }
-    parts.check_all_taken(kind);
+    parts.check_all_taken("a " + kind);
     argument.light.name = kind;
     if (color) {
         const vec3 rgb(parse_vec3(*color));

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "arguments.h"
+#include "key_values.h"
 #include "light_arguments.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/render.h"
@@ -36,36 +37,7 @@ double number(const std::string& text) {
     return parse_vec3(text + ",0,0").x;
 }
 
-/// KEY=VALUE parts, with those that nobody asked for refused at the end.
-class Parts {
-public:
-    explicit Parts(std::string_view text) {
-        while (!text.empty()) {
-            const std::size_t end = text.find(':');
-            const std::string_view part = text.substr(0, end);
-            const std::size_t equals = part.find('=');
-            if (equals == std::string_view::npos)
-                refuse("'" + std::string(part) + "' is not KEY=VALUE");
-            parts_[std::string(part.substr(0, equals))] = part.substr(equals + 1);
-            text = end == std::string_view::npos ? "" : text.substr(end + 1);
-        }
-    }
-    std::optional<std::string> take(const std::string& key) {
-        const auto found = parts_.find(key);
-        if (found == parts_.end()) return std::nullopt;
-        std::string value = found->second;
-        parts_.erase(found);
-        return value;
-    }
-    void check_all_taken() const {
-        if (!parts_.empty()) refuse("this sky has no '" + parts_.begin()->first + "'");
-    }
-
-private:
-    std::map<std::string, std::string> parts_;
-};
-
-Sky named_sky(const std::string& kind, std::string first, Parts& parts, const dvec3& up) {
+Sky named_sky(const std::string& kind, std::string first, KeyValues& parts, const dvec3& up) {
     if (kind == "none") return {};
     if (kind == "clear") return Sky::clear(up);
     if (kind == "color") return Sky::constant(light_color(first));
@@ -134,6 +106,12 @@ dmat4 placement_of(const Json& json, const std::string& name) {
     return m;
 }
 
+/// What there is to light.
+Box lit_box(const Model& model) {
+    const Box box = content_bounds(model.dag, model.grid());
+    return box.empty() ? model.grid().bounds() : box;
+}
+
 }  // namespace
 
 Sky parse_sky(const std::string& text, const dvec3& up) {
@@ -146,10 +124,10 @@ Sky parse_sky(const std::string& text, const dvec3& up) {
         first = rest.substr(0, end);
         rest = end == std::string::npos ? "" : rest.substr(end + 1);
     }
-    Parts parts(rest);
+    KeyValues parts(rest);
     const auto power = parts.take("power");
     const Sky sky = named_sky(kind, first, parts, up);
-    parts.check_all_taken();
+    parts.check_all_taken("this sky");
     return power ? sky.scaled(static_cast<float>(parse_positive(*power))) : sky;
 }
 
@@ -208,9 +186,9 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
     return file;
 }
 
-std::vector<Light> described_lights(const std::optional<std::array<double, 2>>& sun,
-                                    const std::vector<std::string>& lights, const Model& model,
-                                    const dvec3& up) {
+std::optional<std::vector<Light>> asked_lights(const std::optional<std::array<double, 2>>& sun,
+                                               const std::vector<std::string>& lights,
+                                               const Model& model, const dvec3& up) {
     std::vector<LightArgument> described;
     if (sun) described.push_back({.light = unit_sun(*sun, up)});
     for (const std::string& text : lights) {
@@ -220,11 +198,17 @@ std::vector<Light> described_lights(const std::optional<std::array<double, 2>>& 
             throw Error(Errc::bad_argument, std::string("--light: ") + error.what());
         }
     }
-    const Box box = content_bounds(model.dag, model.grid());
-    const Box lit = box.empty() ? model.grid().bounds() : box;
+    const Box lit = lit_box(model);
     if (!described.empty()) return chosen_lights(described, model.metadata.lights, lit);
     if (!model.metadata.lights.empty()) return balanced(model.metadata.lights, lit);
-    return {default_sun(default_camera(lit, up, 16.0 / 9.0), up)};
+    return std::nullopt;
+}
+
+std::vector<Light> described_lights(const std::optional<std::array<double, 2>>& sun,
+                                    const std::vector<std::string>& lights, const Model& model,
+                                    const dvec3& up) {
+    if (auto asked = asked_lights(sun, lights, model, up)) return *std::move(asked);
+    return {default_sun(default_camera(lit_box(model), up, 16.0 / 9.0), up)};
 }
 
 void add_light_choice(CLI::App& command, std::optional<std::array<double, 2>>& sun,

@@ -44,10 +44,13 @@ struct SceneFile {
 /// @throws Error  io; bad_input naming the key; as read_octv()
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
-/// The lights of the arguments; else those of the file; else a sun to the left of a camera that
-/// sees the whole.
+/// The lights of the arguments; else those of the file; else none.
 /// @param sun     as --sun has it: azimuth and elevation
 /// @param lights  as --light has them
+[[nodiscard]] std::optional<std::vector<Light>> asked_lights(
+    const std::optional<std::array<double, 2>>& sun, const std::vector<std::string>& lights,
+    const Model& model, const dvec3& up);
+/// The same, and where there is none a sun to the left of a camera that sees the whole.
 [[nodiscard]] std::vector<Light> described_lights(const std::optional<std::array<double, 2>>& sun,
                                                   const std::vector<std::string>& lights,
                                                   const Model& model, const dvec3& up);

@@ -13,7 +13,6 @@
 #include "arguments.h"
 #include "commands.h"
 #include "help.h"
-#include "light_arguments.h"
 #include "lit_arguments.h"
 #include "lit_render.h"
 #include "octavo/backend/device.h"
@@ -133,25 +132,6 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     return camera;
 }
 
-/// The lights of the arguments; else those of the file; else a sun from the left.
-std::optional<std::vector<Light>> lights_of(const RenderArguments& arguments, const Model& model) {
-    const dvec3& up = arguments.options.up;
-    std::vector<LightArgument> described;
-    if (arguments.sun) described.push_back({.light = unit_sun(*arguments.sun, up)});
-    for (const std::string& text : arguments.lights) {
-        try {
-            described.push_back(parse_light(text, up));
-        } catch (const Error& error) {
-            throw Error(Errc::bad_argument, std::string("--light: ") + error.what());
-        }
-    }
-    const Box box = content_bounds(model.dag, model.grid());
-    const Box lit = box.empty() ? model.grid().bounds() : box;
-    if (!described.empty()) return chosen_lights(described, model.metadata.lights, lit);
-    if (model.metadata.lights.empty()) return std::nullopt;
-    return balanced(model.metadata.lights, lit);
-}
-
 /// With the light of the cells, or by paths.
 void run_lit(RenderArguments& arguments) {
     if (arguments.no_color)
@@ -223,7 +203,7 @@ void run_render(RenderArguments& arguments) {
     if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
     if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     options.camera = chosen_camera(arguments, model);
-    options.lights = lights_of(arguments, model);
+    options.lights = asked_lights(arguments.sun, arguments.lights, model, options.up);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
@@ -254,18 +234,7 @@ void add_view_options(CLI::App& command, RenderArguments& arguments) {
 }
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {
-    add_parsed(command, "--sun", arguments.sun, parse_angles,
-               "Where the sun stands: degrees from +z towards +x, and above the horizon",
-               "AZIMUTH,ELEVATION");
-    command
-        .add_option("--light", arguments.lights,
-                    "A light; may be given several times. sun:AZIMUTH,ELEVATION, point:X,Y,Z, "
-                    "spot:X,Y,Z:to=X,Y,Z:angle=DEGREES, disc:X,Y,Z:to=X,Y,Z:size=RADIUS, "
-                    "rectangle:X,Y,Z:to=X,Y,Z:size=WxH, each with :size=, :color=R,G,B, "
-                    ":power=FACTOR; scene or scene=NAME for those of the file, none for the sky "
-                    "alone. Otherwise those of the file, or a sun from the left")
-        ->type_name("LIGHT")
-        ->allow_extra_args(false);
+    add_light_choice(command, arguments.sun, arguments.lights);
     command
         .add_option("--shadow-samples", arguments.options.shadow_samples,
                     "Soft shadows: rays for each pixel and light, 16")

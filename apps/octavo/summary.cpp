@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -113,6 +114,42 @@ Json attribute_json(const OctvSummary& summary) {
             {"dxt_volume_bytes", elsewhere.dxt}};
 }
 
+/// A lamp's kind, and its name where it has another.
+std::string lamp_text(const Light& light) {
+    const std::string kind(name(light.kind));
+    return light.name.empty() || light.name == kind ? kind : kind + " '" + light.name + "'";
+}
+
+/// How many lamps are spelled out; beyond them, their number.
+constexpr std::size_t kNamedLamps = 4;
+
+std::string light_table(const OctvSummary& summary) {
+    const LightSummary& light = *summary.metadata.light;
+    std::string lamps;
+    for (std::size_t i = 0; i < std::min(kNamedLamps, light.lights.size()); ++i)
+        lamps += (i == 0 ? "" : ", ") + lamp_text(light.lights[i]);
+    if (light.lights.size() > kNamedLamps)
+        lamps += fmt::format(" and {} more", light.lights.size() - kNamedLamps);
+    std::string text = "\n";
+    text += cell_row("stored light", summary.light_bytes,
+                     summary.metadata.attributes ? summary.metadata.attributes->cells : 0);
+    text += row("bounces", std::to_string(light.bounces));
+    text += row("lamps", lamps.empty() ? "none" : lamps);
+    text += row("sky", light.sky);
+    return text;
+}
+
+Json light_json(const OctvSummary& summary) {
+    const LightSummary& light = *summary.metadata.light;
+    Json lamps = Json::array();
+    for (const Light& lamp : light.lights)
+        lamps.push_back({{"kind", name(lamp.kind)}, {"name", lamp.name}});
+    return {{"bytes", summary.light_bytes},
+            {"bounces", light.bounces},
+            {"lamps", std::move(lamps)},
+            {"sky", light.sky}};
+}
+
 }  // namespace
 
 std::string grouped(std::uint64_t number) {
@@ -172,6 +209,7 @@ Json summary_json(const OctvSummary& summary) {
         {"lights", std::move(lights)},
         {"levels", std::move(levels)}};
     if (metadata.attributes) json["attributes"] = attribute_json(summary);
+    if (metadata.light) json["light"] = light_json(summary);
     return json;
 }
 
@@ -206,6 +244,7 @@ std::string summary_table(const OctvSummary& summary) {
     text += size_row(summary.compressed ? "this file, compressed" : "this file", summary.file_bytes,
                      statistics);
     if (metadata.attributes) text += attribute_table(summary);
+    if (metadata.light) text += light_table(summary);
     return text;
 }
 

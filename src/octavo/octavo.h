@@ -56,9 +56,14 @@
 // Rays, one at a time or many.
 #include "octavo/trace/trace.h"  // Ray, Hit; trace_closest, trace_any
 
+// Light that surfaces send on, stored for each cell.
+#include "octavo/light/light_cells.h"  // light_cells: lamps, sky and shining cells -> CellLight
+#include "octavo/light/lit_scene.h"    // LitScene: several DAGs with their places, lamps and a sky
+
 // Pictures.
 #include "octavo/render/image.h"       // Image; write_png, write_exr
 #include "octavo/render/render.h"      // render: camera, sun, shadow, ambient occlusion
+#include "octavo/render/render_lit.h"  // render_lit: with the light of the cells, or by paths
 #include "octavo/render/visibility.h"  // shadow and ambient occlusion for a rasteriser's G-buffer
 
 // The same on GPUs.

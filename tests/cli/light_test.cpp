@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "cli/run_command.h"
 #include "octavo/io/octv.h"
@@ -38,6 +39,18 @@ TEST_F(LitFile, KnowsItsLightsAndSky) {
     EXPECT_EQ(model.light.count(), model.attributes.cells().count());
     EXPECT_EQ(model.metadata.light->sky, "color:1,1,1");
     EXPECT_EQ(model.metadata.light->bounces, 1);
+}
+
+TEST_F(LitFile, IsDescribedByInfo) {
+    const Outcome table = run("info a.octv");
+    EXPECT_EQ(table.code, 0) << table.err;
+    for (const char* said : {"stored light", "bounces     1", "lamps       sun", "color:1,1,1"})
+        EXPECT_TRUE(table.out.find(said) != std::string::npos) << said << " in\n" << table.out;
+    const auto json = nlohmann::json::parse(run("info a.octv --json").out).at("light");
+    const Model model = read_octv(folder / "a.octv");
+    EXPECT_EQ(json.at("bytes"), model.light.words().size_bytes());
+    EXPECT_EQ(json.at("bounces"), 1);
+    EXPECT_EQ(json.at("lamps").at(0).at("kind"), "sun");
 }
 
 TEST_F(LitFile, GivesThreeDifferentPictures) {

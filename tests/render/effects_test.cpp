@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "octavo/render/lamp.h"
-#include "octavo/render/ray_queue.h"
+#include "octavo/light/lamp.h"
+#include "octavo/trace/ray_queue.h"
 #include "support/exact_trace.h"
 #include "support/random_rays.h"
 #include "support/small_dags.h"

@@ -64,8 +64,8 @@ TEST(SharedText, CompilesAsGlsl46Compute) {
         shared_text({"trace/shared_text.h"}) +
         "struct DagView { int depth; };\n"
         "uint dag_load(DagView dag, uint word) { return dag_words[word]; }\n" +
-        shared_text({"trace/traverse.h", "trace/beam.h", "render/sampling.h",
-                     "render/ambient_occlusion.h", "render/shadow.h"}) +
+        shared_text({"trace/traverse.h", "trace/beam.h", "light/sampling.h",
+                     "render/ambient_occlusion.h", "light/shadow.h"}) +
         "void main() { DagView dag; dag.depth = 9;\n" + kUseAll +
         "result[gl_GlobalInvocationID.x] = hit.path.x + uint(dark); }\n";
     std::string output;
@@ -83,8 +83,8 @@ TEST(SharedText, CompilesAsGlslEs300Fragment) {
         "struct DagView { int depth; };\n"
         "uint dag_load(DagView dag, uint word) {\n"
         "    return texelFetch(dag_words, ivec2(int(word & 4095u), int(word >> 12)), 0).x;\n}\n" +
-        shared_text({"trace/traverse.h", "trace/beam.h", "render/sampling.h",
-                     "render/ambient_occlusion.h", "render/shadow.h"}) +
+        shared_text({"trace/traverse.h", "trace/beam.h", "light/sampling.h",
+                     "render/ambient_occlusion.h", "light/shadow.h"}) +
         "void main() { DagView dag; dag.depth = 9;\n" + kUseAll +
         "color = vec4(hit.t, dark ? 1.0 : 0.0, 0.0, 1.0); }\n";
     std::string output;
@@ -98,8 +98,8 @@ TEST(SharedTextSlow, CompilesAsCuda) {
         "namespace octavo::shared { struct DagView { const uint* words; int depth; };\n"
         "OCTAVO_FN uint dag_load(DagView dag, uint word) { return dag.words[word]; } }\n"
         "#include \"octavo/trace/traverse.h\"\n#include \"octavo/trace/beam.h\"\n"
-        "#include \"octavo/render/sampling.h\"\n#include \"octavo/render/ambient_occlusion.h\"\n"
-        "#include \"octavo/render/shadow.h\"\n"
+        "#include \"octavo/light/sampling.h\"\n#include \"octavo/render/ambient_occlusion.h\"\n"
+        "#include \"octavo/light/shadow.h\"\n"
         "namespace octavo::shared { __global__ void run(DagView dag, uint* result) {\n" +
         kUseAll + "result[threadIdx.x] = hit.path.x + uint(dark); } }\n";
     std::string output;

@@ -5,7 +5,7 @@
 
 #include "octavo/backend/pass_queue.h"
 #include "octavo/core/grid.h"
-#include "octavo/render/lamp.h"
+#include "octavo/light/lamp.h"
 #include "octavo/render/visibility.h"
 
 namespace octavo {

@@ -16,9 +16,6 @@ using Json = nlohmann::ordered_json;  // keeps the order of keys: equal metadata
 
 constexpr int kMaxNesting = 8;
 constexpr std::size_t kMaxValues = 1'000'000;
-constexpr std::array<std::string_view, 6> kLightKinds = {"sun",  "point",     "spot",
-                                                         "disc", "rectangle", "mesh"};
-
 template <typename Vector>
 Json vector_json(const Vector& v) {
     // dump() would write null, and the file could not be read back.
@@ -44,7 +41,7 @@ Json camera_json(const Camera& camera) {
 /// What only some kinds have is left out of the others.
 Json light_json(const Light& light) {
     Json json = {{"name", light.name},
-                 {"kind", kLightKinds[static_cast<std::size_t>(light.kind)]},
+                 {"kind", name(light.kind)},
                  {"position", vector_json(light.position)},
                  {"direction", vector_json(light.direction)},
                  {"intensity", vector_json(light.intensity)},
@@ -146,8 +143,8 @@ Light decode_light(const Field& json) {
     light.name = json["name"].text();
     const std::string kind = json["kind"].text();
     std::size_t index = 0;
-    while (index < kLightKinds.size() && kLightKinds[index] != kind) ++index;
-    if (index == kLightKinds.size())
+    while (index < kLightKindNames.size() && kLightKindNames[index] != kind) ++index;
+    if (index == kLightKindNames.size())
         refuse(json.name() + "/kind is not sun, point, spot, disc, rectangle or mesh");
     light.kind = static_cast<Light::Kind>(index);
     light.position = json["position"].vector<dvec3>();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,13 @@ struct AttributeSummary {
     std::uint64_t cells = 0;  // that are occupied
     int tolerance = 0;        // by how much a channel of a colour may differ, in 255ths
 };
+
+/// Kinds of lights as metadata has them.
+inline constexpr std::array<std::string_view, 6> kLightKindNames = {"sun",  "point",     "spot",
+                                                                    "disc", "rectangle", "mesh"};
+[[nodiscard]] constexpr std::string_view name(Light::Kind kind) {
+    return kLightKindNames[static_cast<std::size_t>(kind)];
+}
 
 /// What the light stored in a file came from.
 struct LightSummary {

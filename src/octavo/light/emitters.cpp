@@ -6,7 +6,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 namespace {

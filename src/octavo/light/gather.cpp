@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 namespace {

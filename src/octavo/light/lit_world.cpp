@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
-#include "octavo/render/cell_light_view.h"
-#include "octavo/render/effects.h"
+#include "octavo/light/cell_light_view.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "octavo/light/emitters.h"
+#include "octavo/light/lamp.h"
 #include "octavo/light/light_grid.h"
 #include "octavo/light/lit_scene.h"
-#include "octavo/render/lamp.h"
-#include "octavo/render/normal_cache.h"
+#include "octavo/light/normal_cache.h"
 #include "octavo/trace/instances.h"
 
 namespace octavo {

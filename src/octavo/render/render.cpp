@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "octavo/core/parallel.h"
+#include "octavo/light/lamp.h"
+#include "octavo/light/normal_cache.h"
 #include "octavo/render/effects.h"
-#include "octavo/render/lamp.h"
-#include "octavo/render/normal_cache.h"
-#include "octavo/render/ray_queue.h"
 #include "octavo/render/settings.h"
 #include "octavo/render/visibility.h"
+#include "octavo/trace/ray_queue.h"
 
 namespace octavo {
 namespace {

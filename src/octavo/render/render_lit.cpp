@@ -13,9 +13,9 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
+#include "octavo/light/cell_light_view.h"
 #include "octavo/light/gather.h"
 #include "octavo/render/camera.h"
-#include "octavo/render/cell_light_view.h"
 #include "octavo/render/effects.h"
 
 namespace octavo {

@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/light/lamp.h"
 #include "octavo/render/effects.h"
-#include "octavo/render/lamp.h"
-#include "octavo/render/ray_queue.h"
 #include "octavo/render/settings.h"
+#include "octavo/trace/ray_queue.h"
 
 namespace octavo {
 namespace {

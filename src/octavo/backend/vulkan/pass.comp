@@ -16,16 +16,16 @@
 
 #include "octavo/trace/beam.h"
 
-#include "octavo/render/sampling.h"
+#include "octavo/light/sampling.h"
 
 #include "octavo/render/ambient_occlusion.h"
 #include "octavo/render/camera_ray.h"
-#include "octavo/render/shade.h"
-#include "octavo/render/shadow.h"
-#include "octavo/render/surface.h"
+#include "octavo/light/shade.h"
+#include "octavo/light/shadow.h"
+#include "octavo/light/surface.h"
 
-#include "octavo/render/lamp_light.h"
-#include "octavo/render/smooth_normal.h"
+#include "octavo/light/lamp_light.h"
+#include "octavo/light/smooth_normal.h"
 
 #include "octavo/backend/passes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h,
-// attributes/cell_rank.h and render/surface.h. A backend includes before it
+// attributes/cell_rank.h and light/surface.h. A backend includes before it
 //     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
 //     and      uint light_load(LightView light, uint word);
 #pragma once

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "octavo/core/grid.h"
+#include "octavo/light/point_text.h"
 #include "octavo/mesh/scene.h"
-#include "octavo/render/effects.h"
-#include "octavo/render/ray_queue.h"
+#include "octavo/trace/ray_queue.h"
 
 namespace octavo {
 

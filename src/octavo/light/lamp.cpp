@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/render/lamp.h"
+#include "octavo/light/lamp.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/render/normal.h"
+#include "octavo/light/normal.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "octavo/attributes/cell_index.h"
 #include "octavo/attributes/cell_light.h"
-#include "octavo/render/effects.h"
+#include "octavo/light/point_text.h"
 #include "octavo/trace/dag_view.h"
 
 /// The CPU's side of the shared look-up of cells' light. Include this one for C++.
@@ -36,4 +36,4 @@ inline uint light_load(LightView light, uint word) {
 
 #include "octavo/attributes/cell_rank.h"
 
-#include "octavo/render/cell_light.h"
+#include "octavo/light/cell_light.h"

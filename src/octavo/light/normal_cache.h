@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/render/effects.h"
-#include "octavo/render/normal.h"
+#include "octavo/light/normal.h"
+#include "octavo/light/point_text.h"
 
 namespace octavo {
 
