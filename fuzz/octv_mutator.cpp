@@ -57,7 +57,7 @@ Light random_light(Random& random) {
     const auto number = [&] { return static_cast<double>(random.below(2000)) / 100.0 - 10.0; };
     const auto point = [&] { return dvec3(number(), number(), number()); };
     Light light;
-    light.name = "a";
+    light.name = std::string(1, 'a');
     light.kind = static_cast<Light::Kind>(random.below(6));
     light.position = point();
     light.direction = random.once_in(8) ? dvec3(0.0) : point();
