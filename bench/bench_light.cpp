@@ -3,12 +3,14 @@
 // What does light cost when something changes? usage: bench_light FILE.octv [RAYS [BOUNCES]]
 //
 // Lights the cells by a sun, the clear sky and a hundred weak point lamps, then moves the sun, then
-// one lamp. Prints sides of cells, rays and processor seconds.
+// one lamp. Then by 1 to 500 lamps alone, without bounces. Prints sides of cells, rays and
+// processor seconds.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <exception>
 #include <random>
+#include <string>
 
 #include "octavo/io/octv.h"
 #include "octavo/light/light_cells.h"
@@ -34,6 +36,34 @@ void measure(const char* what, const Work& work) {
                 static_cast<double>(report.rays) / seconds / 1e6);
 }
 
+/// A weak point lamp somewhere in the box, which reaches a thirtieth of its diagonal.
+Light lamp_in(const Box& box, int number) {
+    std::mt19937 random(static_cast<unsigned>(number));
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    Light lamp;
+    lamp.kind = Light::Kind::point;
+    const double x = unit(random), y = unit(random), z = unit(random);
+    lamp.position = box.low + box.size() * dvec3(x, y, z);
+    const double reach = 0.03 * glm::length(box.size());
+    lamp.intensity = vec3(static_cast<float>(reach * reach / 650.0));
+    return lamp;
+}
+
+/// How the cost grows with the number of lamps: direct light, with the least of rays around.
+void measure_lamps(const Model& model, const Box& box) {
+    for (const int count : {0, 1, 10, 100, 500}) {
+        LitScene scene;
+        scene.objects.push_back(
+            {.dag = model.dag, .grid = model.grid(), .attributes = model.attributes});
+        for (int i = 0; i < count; ++i) scene.lights.push_back(lamp_in(box, i));
+        LightOptions options;
+        options.bounces = 0;
+        options.around_rays = 1;
+        CellLighter lighter(scene, options);
+        measure((std::to_string(count) + " lamps").c_str(), [&] { return lighter.light_all(); });
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -49,20 +79,10 @@ int main(int argc, char** argv) {
         scene.sky = Sky::clear({0, 1, 0});
         scene.lights.push_back(sun_at(1.5, 1.15));
         const Box box = content_bounds(model.dag, model.grid());
-        std::mt19937 random(1);
-        std::uniform_real_distribution<double> unit(0.0, 1.0);
-        for (int i = 0; i < 100; ++i) {
-            Light lamp;
-            lamp.kind = Light::Kind::point;
-            lamp.position = box.low + box.size() * dvec3(unit(random), unit(random), unit(random));
-            const double reach = 0.03 * glm::length(box.size());
-            lamp.intensity = vec3(static_cast<float>(reach * reach / 650.0));
-            scene.lights.push_back(lamp);
-        }
+        for (int i = 0; i < 100; ++i) scene.lights.push_back(lamp_in(box, i));
         LightOptions options;
         if (argc > 2) options.around_rays = std::atoi(argv[2]);
         if (argc > 3) options.bounces = std::atoi(argv[3]);
-        options.lamp_rays = 4;
         CellLighter lighter(scene, options);
         measure("all", [&] { return lighter.light_all(); });
         Light lamp = scene.lights[50];
@@ -70,6 +90,7 @@ int main(int argc, char** argv) {
         measure("one lamp moves", [&] { return lighter.change_light(50, lamp); });
         measure("the sun moves", [&] { return lighter.change_light(0, sun_at(1.4, 1.15)); });
         std::printf("kept beside: %.1f MB\n", static_cast<double>(lighter.size_bytes()) / 1e6);
+        measure_lamps(model, box);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_light: %s\n", error.what());
         return 3;

@@ -123,21 +123,63 @@ TEST_F(FloorAndPlate, ShadowsAndLightCrossBothWays) {
     EXPECT_GT(plate.light.get(*edge, 2).g, 0.02f);
 }
 
-TEST_F(FloorAndPlate, AMovedObjectIsLitAnewAndNothingElse) {
-    CellLighter lighter(scene, {.around_rays = 16});
+TEST_F(FloorAndPlate, AMovedObjectTakesItsShadowsAlong) {
+    scene.sky = Sky::constant(vec3(0.2f));
+    const dmat4 place = glm::translate(dmat4(1.0), dvec3(4, 12, 4));
+    CellLighter lighter(scene, {.around_rays = 32});
     lighter.light_all();
-    const std::vector<std::uint32_t> before(scene.objects[0].light.words().begin(),
-                                            scene.objects[0].light.words().end());
-    const float shaded = floor_at({32, 3, 32}, Lighting::gathered);
-    const LightReport report = lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(4, 12, 4)));
-    EXPECT_EQ(report.cells, scene.objects[1].attributes.cells().count());
-    EXPECT_TRUE(std::ranges::equal(before, scene.objects[0].light.words()));
-    // Rays know at once where it is.
-    EXPECT_GT(floor_at({32, 3, 32}, Lighting::gathered), 2.0f * shaded);
-    EXPECT_LT(floor_at({12, 3, 12}, Lighting::gathered),
-              0.5f * floor_at({32, 3, 32}, Lighting::gathered));
+    std::vector<float> shaded, open;
+    for (const Lighting l : {Lighting::gathered, Lighting::cached}) {
+        shaded.push_back(floor_at({32, 3, 32}, l));
+        open.push_back(floor_at({12, 3, 12}, l));
+    }
+    lighter.move_object(1, place);
+    for (const Lighting l : {Lighting::gathered, Lighting::cached}) {
+        const auto i = static_cast<std::size_t>(l);
+        EXPECT_GT(floor_at({32, 3, 32}, l), 2.0f * shaded[i]);
+        EXPECT_LT(floor_at({12, 3, 12}, l), 0.5f * open[i]);
+    }
+
+    LitScene again = scene;
+    light_cells(again, {.around_rays = 32});
+    for (std::size_t o = 0; o < 2; ++o) {
+        const CellLight& found = scene.objects[o].light;
+        const CellLight& expected = again.objects[o].light;
+        ASSERT_EQ(found.words().size(), expected.words().size());
+        float worst = 0.0f;
+        double difference = 0.0, all = 0.0;
+        for (std::uint64_t cell = 0; cell < found.count(); ++cell)
+            for (int d = 0; d < 6; ++d) {
+                ASSERT_EQ(found.hidden(cell, d), expected.hidden(cell, d));
+                const float change = std::abs(found.get(cell, d).g - expected.get(cell, d).g);
+                worst = std::max(worst, change);
+                difference += static_cast<double>(change);
+                all += static_cast<double>(expected.get(cell, d).g);
+            }
+        EXPECT_LT(worst, 0.05f);
+        EXPECT_LT(difference, 0.003 * all);
+    }
     EXPECT_THROW(lighter.move_object(0, dmat4(1.0)), Error);
     EXPECT_THROW(lighter.move_object(1, dmat4(0.0)), Error);
+}
+
+TEST(MovedObject, CostsWhatItReachesAndNotTheScene) {
+    const Dag floor = test::dag_of_voxels(8, [](const dvec3& p) { return p.y < 3.0; });
+    const Dag plate = test::dag_of_voxels(3, [](const dvec3& p) { return p.y < 1.0; });
+    LitScene scene;
+    scene.objects.push_back(
+        {.dag = floor, .grid = unit_grid(8), .attributes = grey(floor, 8, 100)});
+    scene.objects.push_back({.dag = plate,
+                             .grid = unit_grid(3),
+                             .attributes = grey(plate, 3, 100),
+                             .placement = glm::translate(dmat4(1.0), dvec3(20, 8, 20))});
+    scene.lights.push_back(sun_at(0.5, 1.0));
+    scene.sky = Sky::constant(vec3(0.2f));
+    CellLighter lighter(scene, {.around_rays = 4});
+    const LightReport all = lighter.light_all();
+    const LightReport moved = lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(24, 8, 20)));
+    EXPECT_LT(moved.rays, all.rays / 10);
+    EXPECT_GT(moved.rays, 0u);
 }
 
 }  // namespace

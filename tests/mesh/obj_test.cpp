@@ -4,6 +4,10 @@
 #include <cmath>
 
 #include "mesh/mesh_files.h"
+#include "octavo/construct/build.h"
+#include "octavo/dag/statistics.h"
+#include "octavo/mesh/decode_textures.h"
+#include "octavo/mesh/save.h"
 
 namespace octavo {
 namespace {
@@ -94,6 +98,60 @@ TEST(Obj, ReadsMaterialsWithTexturesEmissionAndHoles) {
     EXPECT_EQ(scene.texture_coordinates[scene.triangles[0].z], vec2(0, 0.75));
     EXPECT_EQ(scene.texture_coordinates[scene.triangles[1].x], vec2(1, 1));
     EXPECT_EQ(scene.positions[scene.triangles[0].x], scene.positions[scene.triangles[1].x]);
+}
+
+/// A texture of grey bytes, as an uncompressed TGA.
+std::string grey_tga(int width, int height, const std::string& bytes) {
+    std::string header("\0\0\3\0\0\0\0\0\0\0\0\0", 12);
+    for (const int side : {width, height}) {
+        header += static_cast<char>(side & 255);
+        header += static_cast<char>(side >> 8);
+    }
+    return header + std::string("\x08\x20", 2) + bytes;  // 8 bits, the upper row first
+}
+
+TEST(Obj, TakesAlphaFromAMaskOfItsOwn) {
+    const TemporaryFolder folder;
+    folder.write("color.tga", grey_tga(1, 1, "\x40"));
+    folder.write("mask.tga", grey_tga(2, 2, std::string("\xff\x00\x00\xff", 4)));
+    folder.write("a.mtl",
+                 "newmtl leaf\nmap_d mask.tga\nmap_Kd color.tga\n"
+                 "newmtl white\nmap_d mask.tga\nnewmtl again\nmap_Kd color.tga\nmap_d mask.tga\n"
+                 "newmtl solid\nmap_Kd color.tga\nmap_d gone.tga\n");
+    Scene scene =
+        load_scene(folder.write("a.obj",
+                                "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                "usemtl leaf\nf 1/1 2/2 3/3\n"));
+    decode_textures(scene, WantedTextures::all);
+    ASSERT_EQ(scene.materials.size(), 4u);
+    const auto picture = [&](std::size_t material) {
+        const int texture = scene.materials[material].base_color_texture;
+        return scene.textures.at(static_cast<std::size_t>(texture)).picture->pixels;
+    };
+    using Pixels = decltype(picture(0));
+    const Pixels leaf = picture(0);
+    EXPECT_EQ(leaf,
+              (Pixels{{64, 64, 64, 255}, {64, 64, 64, 0}, {64, 64, 64, 0}, {64, 64, 64, 255}}));
+    EXPECT_EQ(picture(1)[1], (Pixels::value_type{255, 255, 255, 0}));
+    EXPECT_EQ(scene.materials[2].base_color_texture, scene.materials[0].base_color_texture);
+    for (std::size_t m = 0; m < 3; ++m) EXPECT_TRUE(scene.materials[m].alpha_cutoff);
+    EXPECT_FALSE(scene.materials[3].alpha_cutoff);
+    EXPECT_TRUE(mentions(scene, "gone.tga"));
+
+    // The holes are in the voxels too, and in copies of the scene.
+    const auto voxels = [](const Scene& s) {
+        BuildOptions options;
+        options.depth = 6;
+        return compute_statistics(build(s, options).dag).voxels;
+    };
+    const std::uint64_t with_holes = voxels(scene);
+    Scene opaque = scene;
+    for (Material& m : opaque.materials) m.alpha_cutoff.reset();
+    EXPECT_LT(with_holes, 3 * voxels(opaque) / 4);
+    save_scene(scene, folder.path() / "copy.glb");
+    Scene copy = load_scene(folder.path() / "copy.glb");
+    decode_textures(copy, WantedTextures::all);
+    EXPECT_EQ(voxels(copy), with_holes);
 }
 
 TEST(Obj, FindsMaterialsInALibraryThatIsNamedAfterTheirUse) {

@@ -2,6 +2,7 @@
 #include "octavo/attributes/encodings.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -90,8 +91,9 @@ std::uint32_t pack_rgb9e5(const vec3& color) {
 }
 
 vec3 unpack_rgb9e5(std::uint32_t value) {
-    const int exponent = static_cast<int>(value >> 27) - kExponentBias - kMantissaBits;
-    const float scale = std::ldexp(1.0f, exponent);
+    // 2^(exponent - bias - mantissa bits), as a float's bits: always a normal one.
+    const float scale =
+        std::bit_cast<float>(((value >> 27) + 127 - kExponentBias - kMantissaBits) << 23);
     return vec3(static_cast<float>(value & 511u), static_cast<float>(value >> 9 & 511u),
                 static_cast<float>(value >> 18 & 511u)) *
            scale;

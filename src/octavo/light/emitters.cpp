@@ -45,6 +45,8 @@ Emitters::Emitters(const LitScene& scene, const Instances& world) {
             if (!(light > 0.0)) return;
             const dvec3 centre(to_common * dvec4((dvec3(at) + 0.5) * width, 1.0));
             const double radius = 0.8661 * width * scale;
+            bounds_.extend(centre - radius);
+            bounds_.extend(centre + radius);
             emitters_.push_back(
                 {object, cell, centre, radius, static_cast<float>(light * radius * radius)});
             total += light * radius * radius;

@@ -20,6 +20,8 @@ public:
 
     [[nodiscard]] bool empty() const { return emitters_.empty(); }
     [[nodiscard]] std::size_t size() const { return emitters_.size(); }
+    /// All of them; common space.
+    [[nodiscard]] const Box& bounds() const { return bounds_; }
 
     struct Sample {
         vec3 direction;  // unit length; common space
@@ -43,7 +45,8 @@ private:
         float part;  // of all choices
     };
     std::vector<Emitter> emitters_;  // by object, then cell
-    std::vector<double> sums_;       // of the parts up to each, 1 at the end
+    Box bounds_;
+    std::vector<double> sums_;  // of the parts up to each, 1 at the end
 };
 
 }  // namespace octavo

@@ -36,6 +36,7 @@ std::size_t Gatherer::begin() {
     if (any_rays_.size() + closest_rays_.size() >= kMostRays) trace();
     sums_.emplace_back(0.0f);
     if (keeps_hits_) kept_.push_back({0, {}, shared::make_miss(0.0f, 0)});
+    if (keeps_sides_) kept_sides_.resize(sums_.size() * static_cast<std::size_t>(rays_.around));
     return sums_.size() - 1;
 }
 
@@ -47,7 +48,7 @@ void Gatherer::add(const LitPoint& point, int part, std::uint32_t seed) {
     }
     const bool sources = has(from_, LightFrom::sources) &&
                          (!world_.scene().sky.black() || !world_.emitters().empty());
-    const bool around = has(from_, LightFrom::cells) || keeps_hits_ || sources;
+    const bool around = has(from_, LightFrom::cells) || keeps_hits_ || keeps_sides_ || sources;
     if (around) add_around(point, part, seed);
 }
 
@@ -63,7 +64,7 @@ void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
             if (!(ray.light > 0.0f)) continue;
             any_rays_.push_back(ray.ray);
             any_.push_back({lamp.light().intensity * (ray.light * scale), 0.0f,
-                            static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+                            static_cast<std::uint32_t>(sums_.size() - 1), 0, kAround, 0});
         }
     }
 }
@@ -79,7 +80,8 @@ void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed) {
         const float cosine = glm::dot(direction, point.normal);
         closest_rays_.push_back(ray);
         closest_.push_back({vec3(1.0f / count), cosine * kPerPi,
-                            static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+                            static_cast<std::uint32_t>(sums_.size() - 1),
+                            static_cast<std::uint32_t>(i), kAround, 0});
     }
 }
 
@@ -98,7 +100,7 @@ void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
         const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
         any_rays_.push_back(ray);
         any_.push_back({weight * sky.radiance(sample.direction), 0.0f,
-                        static_cast<std::uint32_t>(sums_.size() - 1), kAround, 0});
+                        static_cast<std::uint32_t>(sums_.size() - 1), 0, kAround, 0});
     }
 }
 
@@ -118,12 +120,12 @@ void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed)
         ray.dir = shared::bend_outwards(sample.direction, point.face);
         const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
         closest_rays_.push_back(ray);
-        closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1),
+        closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1), 0,
                             sample.object, sample.cell});
     }
 }
 
-vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit) const {
+vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit) {
     const bool sources = has(from_, LightFrom::sources);
     if (w.emitter_object != kAround) {
         if (!hit || hit.object != w.emitter_object) return vec3(0.0f);
@@ -141,6 +143,8 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
         return weight * sky.radiance(ray.dir);
     }
     const CellSide side = world_.side(hit);
+    if (keeps_sides_)
+        kept_sides_[w.sum * static_cast<std::size_t>(rays_.around) + w.ray] = {side, -hit.ray.dir};
     vec3 light(0.0f);
     if (sources) {
         const vec3 emission = world_.emission(side);
@@ -170,6 +174,89 @@ void Gatherer::trace() {
     closest_rays_.clear();
     any_.clear();
     closest_.clear();
+}
+
+LampGatherer::LampGatherer(const LitWorld& world, int rays, int parts)
+    : world_(world), rays_(round_up(rays, parts)), parts_(parts) {}
+
+std::size_t LampGatherer::begin() {
+    sums_.emplace_back(0.0f);
+    first_pair_ = pairs_.size();
+    first_point_ = points_.size();
+    return sums_.size() - 1;
+}
+
+void LampGatherer::add(const LitPoint& point, std::uint32_t seed) {
+    points_.push_back(point);
+    for (const std::uint32_t lamp : world_.lamps_near(point.position())) {
+        std::size_t at = first_pair_;
+        while (at < pairs_.size() && pairs_[at].lamp != lamp) ++at;
+        if (at == pairs_.size())
+            pairs_.push_back({.sum = static_cast<std::uint32_t>(sums_.size() - 1),
+                              .lamp = lamp,
+                              .first_point = static_cast<std::uint32_t>(first_point_),
+                              .points = 0,
+                              .seed = seed});
+    }
+    for (std::size_t at = first_pair_; at < pairs_.size(); ++at)
+        pairs_[at].points = static_cast<std::uint32_t>(points_.size() - first_point_);
+}
+
+/// Queues the rays of a lamp, as evenly from the points as their number allows.
+void LampGatherer::queue(std::uint32_t number, int rays) {
+    Pair& pair = pairs_[number];
+    const Lamp& lamp = world_.lamps()[pair.lamp];
+    pair.sent = pair.seen = 0;
+    pair.light = 0.0f;
+    pair.few = rays < rays_;
+    const float scale = kPerPi / static_cast<float>(rays);
+    for (std::uint32_t k = 0; k < pair.points; ++k) {
+        const LitPoint& point = points_[pair.first_point + k];
+        const SeenLamp seen(lamp, point.start, point.face, point.normal, false);
+        if (seen.dark()) continue;
+        const int each = rays / static_cast<int>(pair.points);
+        for (int i = static_cast<int>(k) * each; i < (static_cast<int>(k) + 1) * each; ++i) {
+            const shared::LampSample ray =
+                seen.ray(i, pair.seed ^ (kLampSeed + 0x9e3779b9u * pair.lamp));
+            if (!(ray.light > 0.0f)) continue;
+            ++pair.sent;
+            queue_.push_back(ray.ray);
+            pair_of_.push_back(number);
+            light_of_.push_back(ray.light * scale);
+        }
+    }
+}
+
+void LampGatherer::trace_queue() {
+    occluded_.resize(queue_.size());
+    world_.instances().trace_any(queue_, {0, 0.0f, 0.0f}, occluded_);
+    for (std::size_t i = 0; i < queue_.size(); ++i) {
+        if (occluded_[i] != 0) continue;
+        ++pairs_[pair_of_[i]].seen;
+        pairs_[pair_of_[i]].light += light_of_[i];
+    }
+    traced_ += queue_.size();
+    queue_.clear();
+    pair_of_.clear();
+    light_of_.clear();
+}
+
+void LampGatherer::trace() {
+    const auto count = static_cast<std::uint32_t>(pairs_.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Light::Kind kind = world_.lamps()[pairs_[i].lamp].light().kind;
+        const bool all_alike =
+            kind == Light::Kind::sun || kind == Light::Kind::point || kind == Light::Kind::spot;
+        queue(i, all_alike ? parts_ : rays_);
+    }
+    trace_queue();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Pair& pair = pairs_[i];
+        if (pair.few && pair.seen != 0 && pair.seen != pair.sent) queue(i, rays_);
+    }
+    trace_queue();
+    for (const Pair& pair : pairs_)
+        sums_[pair.sum] += pair.light * world_.lamps()[pair.lamp].light().intensity;
 }
 
 }  // namespace octavo

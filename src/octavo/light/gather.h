@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octavo/light/lit_world.h"
@@ -60,11 +61,24 @@ public:
     void keep_hits() { keeps_hits_ = true; }
     [[nodiscard]] const InstanceHit& hit(std::size_t sum) const { return kept_[sum]; }
 
+    /// What a ray met: the side of a cell, and where the ray came from, in the object's space.
+    struct MetSide {
+        CellSide side;
+        vec3 towards{0.0f};
+    };
+    /// Keeps what each ray over the hemisphere met, for sides(): no cell where it met none.
+    void keep_sides() { keeps_sides_ = true; }
+    [[nodiscard]] std::span<const MetSide> sides(std::size_t sum) const {
+        const auto count = static_cast<std::size_t>(rays_.around);
+        return std::span(kept_sides_).subspan(sum * count, count);
+    }
+
     [[nodiscard]] std::uint64_t rays_traced() const { return traced_; }
 
     void clear() {
         sums_.clear();
         kept_.clear();
+        kept_sides_.clear();
     }
 
 private:
@@ -72,6 +86,7 @@ private:
         vec3 light;
         float density;  // of the direction by the cosine, and for a source ray by its choice
         std::uint32_t sum;
+        std::uint32_t ray;             // over the hemisphere: its number
         std::uint32_t emitter_object;  // of a ray towards a cell that shines; else kAround
         std::uint64_t emitter_cell;
     };
@@ -82,8 +97,7 @@ private:
     void add_around(const LitPoint& point, int part, std::uint32_t seed);
     void add_sky(const LitPoint& point, int part, std::uint32_t seed);
     void add_emitters(const LitPoint& point, int part, std::uint32_t seed);
-    [[nodiscard]] vec3 found(const Waiting& w, const shared::GridRay& ray,
-                             const InstanceHit& hit) const;
+    [[nodiscard]] vec3 found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit);
 
     const LitWorld& world_;
     LightFrom from_;
@@ -94,12 +108,61 @@ private:
     GatherRays rays_;
     int parts_;
     bool keeps_hits_ = false;
+    bool keeps_sides_ = false;
     std::vector<InstanceHit> kept_;
+    std::vector<MetSide> kept_sides_;  // as many for each sum as rays go around
     std::vector<vec3> sums_;
     std::vector<shared::GridRay> any_rays_, closest_rays_;
     std::vector<Waiting> any_, closest_;
     std::vector<std::uint8_t> occluded_;
     std::vector<InstanceHit> hits_;
+    std::uint64_t traced_ = 0;
+};
+
+/// Finds the light of lamps that falls on the sides of cells: one thread's.
+///
+/// A sun, a point or a spot first gets one ray from each place of a side. Only where these do not
+/// agree, in the half-shadow, are all rays sent.
+class LampGatherer {
+public:
+    /// @param rays   towards each lamp of a sum, rounded up to a multiple of `parts`
+    /// @param parts  as of Gatherer
+    LampGatherer(const LitWorld& world, int rays, int parts);
+
+    /// Begins a sum. @return its number, from 0
+    std::size_t begin();
+    /// Adds a point to the last sum; at most `parts` of them.
+    /// @param seed  of the sum's random numbers
+    void add(const LitPoint& point, std::uint32_t seed);
+    /// Traces what is waiting. Call it before light().
+    void trace();
+    [[nodiscard]] vec3 light(std::size_t sum) const { return sums_[sum]; }
+    [[nodiscard]] std::uint64_t rays_traced() const { return traced_; }
+
+private:
+    /// A lamp that a sum may see.
+    struct Pair {
+        std::uint32_t sum, lamp;
+        std::uint32_t first_point, points;  // of the sum
+        std::uint32_t seed;
+        int sent = 0, seen = 0;
+        float light = 0.0f;
+        bool few = false;
+    };
+    void queue(std::uint32_t pair, int rays);
+    void trace_queue();
+
+    const LitWorld& world_;
+    int rays_, parts_;
+    std::vector<vec3> sums_;
+    std::vector<LitPoint> points_;
+    std::vector<Pair> pairs_;
+    std::size_t first_pair_ = 0;   // of the last sum
+    std::size_t first_point_ = 0;  // of the last sum
+    std::vector<shared::GridRay> queue_;
+    std::vector<std::uint32_t> pair_of_;
+    std::vector<float> light_of_;
+    std::vector<std::uint8_t> occluded_;
     std::uint64_t traced_ = 0;
 };
 

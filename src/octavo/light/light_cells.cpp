@@ -14,6 +14,7 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
@@ -52,6 +53,15 @@ void check(const LightOptions& o) {
     if (!(o.tolerance >= 0.0)) refuse("the tolerance of light is 0 or more");
 }
 
+std::array<float, 256> linear_of_bytes() {
+    std::array<float, 256> linear{};
+    for (unsigned i = 0; i < 256; ++i) {
+        const auto byte = static_cast<std::uint8_t>(i);
+        linear[i] = linear_from_srgb8({byte, byte, byte}).x;
+    }
+    return linear;
+}
+
 float greatest(const vec3& v) {
     return std::max({v.r, v.g, v.b});
 }
@@ -60,59 +70,106 @@ double distance(const Box& a, const Box& b) {
     return glm::length(glm::max(dvec3(0.0), glm::max(a.low - b.high, b.low - a.high)));
 }
 
+struct Ball {
+    dvec3 middle{0.0};
+    double radius = 0.0;
+};
+
+Ball ball_of(const Box& box) {
+    return {box.centre(), 0.5 * glm::length(box.size())};
+}
+
+/// Whether a ball may touch a straight line from one ball to another.
+bool between(const Ball& ball, const Ball& from, const Ball& to) {
+    const dvec3 way = to.middle - from.middle;
+    const double length2 = glm::dot(way, way);
+    const double along =
+        length2 > 0.0 ? std::clamp(glm::dot(ball.middle - from.middle, way) / length2, 0.0, 1.0)
+                      : 0.0;
+    return glm::length(ball.middle - (from.middle + along * way)) <=
+           ball.radius + std::max(from.radius, to.radius);
+}
+
+/// The same where the lines go on for ever, in a cone of this half angle about a direction.
+bool between(const Ball& ball, const Ball& from, const dvec3& direction, double angle) {
+    const dvec3 way = ball.middle - from.middle;
+    const double along = glm::dot(way, direction);
+    const double reach = ball.radius + from.radius;
+    if (along < -reach) return false;
+    const double across = glm::length(way - along * direction);
+    return across <= reach + (std::max(along, 0.0) + reach) * std::tan(std::min(angle, 1.5));
+}
+
+/// The part of a hemisphere, by the cosine, that a ball covers at most.
+double covered(const Box& from, const Ball& ball) {
+    const dvec3 nearest = glm::clamp(ball.middle, from.low, from.high);
+    const double way = glm::length(nearest - ball.middle);
+    return way <= ball.radius ? 1.0 : ball.radius * ball.radius / (way * way);
+}
+
+// The steps by which the rest of the light is estimated.
+constexpr int kRestSteps = 4;
+constexpr float kMostRatio = 0.98f;  // from one to the next: whiter walls do not exist
+
+constexpr std::uint32_t kNoTarget = 0xffffffffu;
+
+using Words = std::vector<std::uint32_t>;
+
 }  // namespace
 
 /// The light of one object's cells, in all its stages.
 struct ObjectLight {
     std::uint32_t object = 0;
+    std::size_t first_word = 0;  // of this object, in arrays of words
     std::vector<Side> sides;
     std::vector<Block> blocks;
     std::vector<vec3> from_lamps, from_sources;  // of each side
     std::vector<std::vector<vec3>> reflected;    // for each number of bounces, from 1
-    // What it sums up to, as it is stored, for each number of bounces, from 0.
-    std::vector<std::shared_ptr<std::vector<std::uint32_t>>> words;
+    Words rows;  // if they are kept: for each side and ray over its hemisphere the word that the
+                 // ray met
 };
 
 class CellLighter::State {
 public:
     State(LitScene& scene, const LightOptions& options) : scene_(scene), options_(options) {
         check(options);
+        options_.around_rays = (options.around_rays + kStarts - 1) / kStarts * kStarts;
         world_.emplace(scene_);
+        count_words();
         with_threads(options_.threads, [&] {
+            std::uint64_t sides = 0;
             for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
                 objects_.emplace_back();
                 objects_.back().object = i;
+                objects_.back().first_word = first_words_[i];
                 if (!scene_.objects[i].attributes.empty()) find_sides(objects_.back());
+                sides += objects_.back().sides.size();
             }
+            const auto rays = sides * static_cast<std::uint64_t>(options_.around_rays);
+            keeps_rows_ = rays * sizeof(std::uint32_t) <= options_.kept_bytes;
+            for (ObjectLight& o : objects_)
+                if (keeps_rows_) o.rows.resize(o.sides.size() * row_length());
         });
     }
 
     LightReport light_all() {
-        std::vector<std::uint32_t> all;
-        for (std::uint32_t i = 0; i < objects_.size(); ++i) all.push_back(i);
-        return light_objects(all);
-    }
-
-    LightReport light_objects(const std::vector<std::uint32_t>& which) {
-        start_report(which, static_cast<std::uint64_t>(options_.bounces) + 1);
+        start_report(static_cast<std::uint64_t>(options_.bounces) + 1);
         with_threads(options_.threads, [&] {
-            show_bounce(0);
-            for (const std::uint32_t i : which)
-                for_blocks(objects_[i], {}, [&](ObjectLight& o, const Block& block) {
-                    gather(o, block, LightFrom::lamps, 0, o.from_lamps);
-                    gather(o, block, LightFrom::sources, 0, o.from_sources);
+            for (ObjectLight& o : objects_)
+                for_blocks(o, {}, [&](const Block& block) {
+                    Words scratch;
+                    gather_lamps(o, block);
+                    gather_around(o, block, row_space(o, block, scratch));
                     write(o, block, 0);
                 });
-            for (int bounce = 1; bounce <= options_.bounces; ++bounce) {
-                show_bounce(bounce - 1);
-                for (const std::uint32_t i : which)
-                    for_blocks(objects_[i], {}, [&](ObjectLight& o, const Block& block) {
-                        gather(o, block, LightFrom::cells, bounce,
-                               o.reflected[static_cast<std::size_t>(bounce) - 1]);
+            if (closes()) find_rest();
+            for (int bounce = 1; bounce <= options_.bounces; ++bounce)
+                for (ObjectLight& o : objects_)
+                    for_blocks(o, {}, [&](const Block& block) {
+                        reflect(o, block, bounce);
                         write(o, block, bounce);
                     });
-            }
-            show_bounce(options_.bounces);
+            show();
         });
         return finish_report();
     }
@@ -128,14 +185,12 @@ public:
             scene_.lights.push_back(light);
         }
         world_.emplace(scene_);
-        std::vector<std::uint32_t> all;
-        for (std::uint32_t i = 0; i < objects_.size(); ++i) all.push_back(i);
-        start_report(all, 0);
+        start_report(0);
         with_threads(options_.threads, [&] {
             Changes changes = redo_lamps(changed);
             for (int bounce = 1; bounce <= options_.bounces; ++bounce)
-                changes = redo_bounce(bounce, changes);
-            show_bounce(options_.bounces);
+                changes = redo_bounce(bounce, changes, {});
+            show();
         });
         return finish_report();
     }
@@ -143,7 +198,9 @@ public:
     LightReport move_object(std::size_t which, const dmat4& placement) {
         if (which == 0 || which >= objects_.size())
             throw Error(Errc::bad_argument, "there is no object with this number that can move");
+        const auto moved = static_cast<std::uint32_t>(which);
         const dmat4 old = scene_.objects[which].placement;
+        const Ball before = ball_of(object_box(moved));
         scene_.objects[which].placement = placement;
         try {
             world_.emplace(scene_);
@@ -152,17 +209,26 @@ public:
             world_.emplace(scene_);
             throw;
         }
-        const auto i = static_cast<std::uint32_t>(which);
-        place_blocks(objects_[i]);
-        return light_objects({i});
+        start_report(0);
+        with_threads(options_.threads, [&] {
+            place_blocks(objects_[which]);
+            const Ball after = ball_of(object_box(moved));
+            Flags looked_around;
+            Changes changes = redo_around_object(moved, before, after, looked_around);
+            for (int bounce = 1; bounce <= options_.bounces; ++bounce)
+                changes = redo_bounce(bounce, changes, looked_around);
+            show();
+        });
+        return finish_report();
     }
 
     [[nodiscard]] std::uint64_t size_bytes() const {
-        std::uint64_t bytes = 0;
-        for (const ObjectLight& o : objects_) {
-            bytes += o.sides.size() * (sizeof(Side) + (2 + o.reflected.size()) * sizeof(vec3));
-            for (const auto& words : o.words) bytes += words->size() * sizeof(std::uint32_t);
-        }
+        std::uint64_t bytes = albedo_.size() * sizeof(std::uint32_t);
+        for (const auto& words : words_) bytes += words->size() * sizeof(std::uint32_t);
+        bytes += rest_.size() * sizeof(std::uint32_t);
+        for (const ObjectLight& o : objects_)
+            bytes += o.sides.size() * (sizeof(Side) + (2 + o.reflected.size()) * sizeof(vec3)) +
+                     o.rows.size() * sizeof(std::uint32_t);
         return bytes;
     }
 
@@ -170,6 +236,202 @@ private:
     /// For each object and block the flux by which it changed, at most: of radiance times area, in
     /// square units of common space.
     using Changes = std::vector<std::vector<double>>;
+    /// For each object and block 1 or 0; empty: none.
+    using Flags = std::vector<std::vector<std::uint8_t>>;
+
+    /// Gives each object its words in the arrays that all share, and finds their colours.
+    void count_words() {
+        std::size_t words = 0;
+        for (const LitObject& object : scene_.objects) {
+            first_words_.push_back(words);
+            if (!object.attributes.empty()) words += 6 * object.attributes.cells().count();
+            if (words / 6 > CellLight::kMostCells)
+                throw Error(Errc::limit, "light is for at most 715 million cells; this has " +
+                                             std::to_string(words / 6));
+        }
+        // A small file may have attributes of very many cells, where they are all alike.
+        const std::uint64_t bytes =
+            sizeof(std::uint32_t) * words * (static_cast<std::uint64_t>(options_.bounces) + 2);
+        if (bytes > machine_memory_bytes() / 2)
+            throw Error(Errc::limit, "the light of " + std::to_string(words / 6) + " cells and " +
+                                         std::to_string(options_.bounces) + " bounces takes " +
+                                         std::to_string(bytes) +
+                                         " bytes, more than half of this machine's memory");
+        albedo_.resize(words);
+        for (int bounce = 0; bounce <= options_.bounces; ++bounce)
+            words_.push_back(std::make_shared<Words>(words, CellLight::kHidden));
+        if (closes()) rest_.assign(words, CellLight::kHidden);
+        with_threads(options_.threads, [&] {
+            for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+                const Attributes& attributes = scene_.objects[i].attributes;
+                if (attributes.empty()) continue;
+                tbb::parallel_for(
+                    std::uint64_t{0}, attributes.cells().count(), [&](std::uint64_t cell) {
+                        for (int d = 0; d < 6; ++d)
+                            albedo_[word_of({i, cell, d})] = packed_albedo(attributes, cell, d);
+                    });
+            }
+        });
+    }
+
+    /// The colour in sRGB bytes, which are exact, or kClay; and kSeen where the side can be seen.
+    static constexpr std::uint32_t kClay = 1u << 24;
+    static constexpr std::uint32_t kSeen = 1u << 25;
+    [[nodiscard]] static std::uint32_t packed_albedo(const Attributes& attributes,
+                                                     std::uint64_t cell, int direction) {
+        if (!attributes.has_color()) return kClay;
+        const Rgb8 color = attributes.color(cell, direction_vector(direction));
+        return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 |
+               std::uint32_t{color[2]} << 16;
+    }
+    [[nodiscard]] vec3 albedo(std::uint32_t word) const {
+        const std::uint32_t color = albedo_[word];
+        if ((color & kClay) != 0) return shared::clay();
+        return {linear_[color & 255u], linear_[color >> 8 & 255u], linear_[color >> 16 & 255u]};
+    }
+
+    [[nodiscard]] std::uint32_t word_of(const CellSide& side) const {
+        if (side.cell == CellSide::kNoCell) return kNoTarget;
+        return static_cast<std::uint32_t>(first_words_[side.object] + 6 * side.cell +
+                                          static_cast<std::size_t>(side.direction));
+    }
+
+    /// The word whose light comes along a ray. A ray that runs along an edge of a wall may meet a
+    /// side that is hidden: then it takes the side that faces it most of those that it could see,
+    /// if there is one; compare shared::side_light().
+    [[nodiscard]] std::uint32_t target_of(const Gatherer::MetSide& met) const {
+        const std::uint32_t word = word_of(met.side);
+        if (word == kNoTarget || seen(word)) return word;
+        std::uint32_t best = kNoTarget;
+        float most = 0.0f;
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::uint32_t other = word_of(
+                {met.side.object, met.side.cell, 2 * axis + (met.towards[axis] > 0.0f ? 1 : 0)});
+            if (!seen(other) || !(std::abs(met.towards[axis]) > most)) continue;
+            most = std::abs(met.towards[axis]);
+            best = other;
+        }
+        return best;
+    }
+    [[nodiscard]] bool seen(std::uint32_t word) const { return (albedo_[word] & kSeen) != 0; }
+
+    [[nodiscard]] std::size_t row_length() const {
+        return static_cast<std::size_t>(options_.around_rays);
+    }
+    /// Room for the rows of a block: where they are kept, or in `scratch`.
+    [[nodiscard]] std::span<std::uint32_t> row_space(ObjectLight& o, const Block& block,
+                                                     Words& scratch) const {
+        const std::size_t count = (block.end - block.first) * row_length();
+        if (keeps_rows_) return std::span(o.rows).subspan(block.first * row_length(), count);
+        scratch.resize(count);
+        return scratch;
+    }
+    /// What the rays of a block met; they are traced again where that is not kept.
+    [[nodiscard]] std::span<const std::uint32_t> rows(ObjectLight& o, const Block& block,
+                                                      Words& scratch) {
+        const auto space = row_space(o, block, scratch);
+        if (!keeps_rows_) gather_around(o, block, space);
+        return space;
+    }
+
+    /// Calls visit(side, row) for the sides of a block.
+    template <class Visit>
+    void for_rows(ObjectLight& o, const Block& block, const Visit& visit) {
+        Words scratch;
+        const std::span<const std::uint32_t> all = rows(o, block, scratch);
+        for (std::size_t i = block.first; i < block.end; ++i)
+            visit(i, all.subspan((i - block.first) * row_length(), row_length()));
+    }
+
+    /// What the cells that a row's rays met send back of this light, on average over the rays.
+    [[nodiscard]] vec3 sent_to(std::span<const std::uint32_t> row, const Words& light) const {
+        vec3 sum(0.0f);
+        for (const std::uint32_t word : row)
+            if (word != kNoTarget) sum += albedo(word) * unpack_rgb9e5(light[word]);
+        return sum / static_cast<float>(row.size());
+    }
+
+    /// Gathers a bounce from the light before it.
+    void reflect(ObjectLight& o, const Block& block, int bounce) {
+        const auto index = static_cast<std::size_t>(bounce) - 1;
+        for_rows(o, block, [&](std::size_t side, std::span<const std::uint32_t> row) {
+            o.reflected[index][side] = sent_to(row, *words_[index]);
+        });
+        sides_done_ += block.end - block.first;
+    }
+
+    [[nodiscard]] bool closes() const { return options_.estimate_rest && options_.bounces > 0; }
+
+    /// Finds for each side what a light that is even around it adds up to by being sent on again
+    /// and again: the sum over k of A^k 1, where A is one bounce. The first terms are found one by
+    /// one; from then on they are taken to shrink by a constant ratio, that of the last two.
+    void find_rest() {
+        Words before(rest_.size(), CellLight::kHidden), now = before;
+        for (const ObjectLight& o : objects_)
+            for (const Side& side : o.sides) before[word_of(o, side)] = pack_rgb9e5(vec3(1.0f));
+        for (int step = 1; step <= kRestSteps; ++step) {
+            for (ObjectLight& o : objects_)
+                tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
+                    for_rows(
+                        o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
+                            const std::uint32_t word = word_of(o, o.sides[i]);
+                            const vec3 term = sent_to(row, before);
+                            vec3 sum = step == 1 ? term : unpack_rgb9e5(rest_[word]) + term;
+                            if (step == kRestSteps) {
+                                const vec3 last = unpack_rgb9e5(before[word]);
+                                const vec3 ratio =
+                                    glm::min(term / glm::max(last, vec3(1e-6f)), vec3(kMostRatio));
+                                sum += term * ratio / (1.0f - ratio);
+                            }
+                            now[word] = pack_rgb9e5(term);
+                            rest_[word] = pack_rgb9e5(sum);
+                        });
+                });
+            before.swap(now);
+        }
+    }
+
+    /// The same for an object that stands somewhere else: one step from what is known.
+    void find_rest(ObjectLight& o) {
+        std::vector<std::uint32_t> found(o.sides.size());
+        tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
+            for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
+                vec3 sum(0.0f);
+                for (const std::uint32_t word : row)
+                    if (word != kNoTarget)
+                        sum += albedo(word) * (1.0f + unpack_rgb9e5(rest_[word]));
+                found[i] = pack_rgb9e5(sum / static_cast<float>(row.size()));
+            });
+        });
+        for (std::size_t i = 0; i < o.sides.size(); ++i) rest_[word_of(o, o.sides[i])] = found[i];
+    }
+
+    [[nodiscard]] static std::uint32_t word_of(const ObjectLight& o, const Side& side) {
+        return static_cast<std::uint32_t>(o.first_word + 6 * std::size_t{side.cell} +
+                                          static_cast<std::size_t>(side.direction()));
+    }
+
+    /// What an object fills of common space: the cells that can be seen, or else its grid.
+    [[nodiscard]] Box object_box(std::uint32_t object) const {
+        Box box;
+        for (const Block& block : objects_[object].blocks) {
+            box.extend(block.box.low);
+            box.extend(block.box.high);
+        }
+        if (!box.empty()) return box;
+        const double width = std::ldexp(1.0, scene_.objects[object].dag.depth());
+        return placed(object, {dvec3(0.0), dvec3(width)});
+    }
+    /// A box around a box of an object's grid, in common space.
+    [[nodiscard]] Box placed(std::uint32_t object, const Box& box) const {
+        const dmat4& to_common = world_->instances().to_common(object);
+        Box result;
+        for (unsigned i = 0; i < 8; ++i)
+            result.extend(dvec3(to_common * dvec4(i & 1 ? box.high.x : box.low.x,
+                                                  i & 2 ? box.high.y : box.low.y,
+                                                  i & 4 ? box.high.z : box.low.z, 1.0)));
+        return result;
+    }
 
     [[nodiscard]] double cell_width(const ObjectLight& o) const {
         const LitObject& object = scene_.objects[o.object];
@@ -179,18 +441,6 @@ private:
     void find_sides(ObjectLight& o) {
         const LitObject& object = scene_.objects[o.object];
         const CellIndex& cells = object.attributes.cells();
-        if (cells.count() > CellLight::kMostCells)
-            throw Error(Errc::limit, "light is for at most 715 million cells; this object has " +
-                                         std::to_string(cells.count()));
-        // A small file may have attributes of very many cells, where they are all alike.
-        const std::uint64_t bytes = 6 * sizeof(std::uint32_t) * cells.count() *
-                                    (static_cast<std::uint64_t>(options_.bounces) + 1);
-        if (bytes > machine_memory_bytes() / 2)
-            throw Error(Errc::limit,
-                        "the light of " + std::to_string(cells.count()) + " cells and " +
-                            std::to_string(options_.bounces) + " bounces takes " +
-                            std::to_string(bytes) +
-                            " bytes, which is more than half of this machine's memory");
         const std::uint64_t blocks = (cells.count() + kBlockCells - 1) / kBlockCells;
         std::vector<std::vector<Side>> found(blocks);
         tbb::parallel_for(std::uint64_t{0}, blocks, [&](std::uint64_t b) {
@@ -209,33 +459,26 @@ private:
             block.end = o.sides.size();
             if (block.first < block.end) o.blocks.push_back(block);
         }
+        for (const Side& side : o.sides) albedo_[word_of(o, side)] |= kSeen;
         place_blocks(o);
         o.from_lamps.resize(o.sides.size(), vec3(0.0f));
         o.from_sources.resize(o.sides.size(), vec3(0.0f));
         o.reflected.resize(static_cast<std::size_t>(options_.bounces));
         for (auto& some : o.reflected) some.resize(o.sides.size(), vec3(0.0f));
-        for (int bounce = 0; bounce <= options_.bounces; ++bounce)
-            o.words.push_back(std::make_shared<std::vector<std::uint32_t>>(6 * cells.count(),
-                                                                           CellLight::kHidden));
     }
 
     void place_blocks(ObjectLight& o) const {
         const CellIndex& cells = scene_.objects[o.object].attributes.cells();
         const double width = cell_width(o);
-        const dmat4& to_common = world_->instances().to_common(o.object);
         tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
             Block& block = o.blocks[b];
-            block.box = {};
             const CellRange range{o.sides[block.first].cell, o.sides[block.end - 1].cell + 1ull};
             Box box;
             cells.for_each(range, [&](std::uint64_t, const uvec3& at) {
                 box.extend(width * dvec3(at));
                 box.extend(width * (dvec3(at) + 1.0));
             });
-            for (unsigned i = 0; i < 8; ++i)
-                block.box.extend(dvec3(to_common * dvec4(i & 1 ? box.high.x : box.low.x,
-                                                         i & 2 ? box.high.y : box.low.y,
-                                                         i & 4 ? box.high.z : box.low.z, 1.0)));
+            block.box = placed(o.object, box);
         });
     }
 
@@ -311,59 +554,91 @@ private:
                           [&](const auto& range) {
                               for (std::size_t b = range.begin(); b != range.end(); ++b) {
                                   if (!some.empty() && some[b] == 0) continue;
-                                  work(o, o.blocks[b]);
+                                  work(o.blocks[b]);
                                   add_progress(o.blocks[b].end - o.blocks[b].first);
                               }
                           });
     }
 
-    /// Finds the light of one kind that falls on the sides of a block.
-    void gather(ObjectLight& o, const Block& block, LightFrom from, int pass,
-                std::vector<vec3>& light) {
+    /// Calls visit(point, part, seed) for the kStarts points of a side that rays start from.
+    template <class Visit>
+    void for_points(const ObjectLight& o, const Side& side, int pass, const Visit& visit) const {
         const LitObject& object = scene_.objects[o.object];
-        const CellIndex& cells = object.attributes.cells();
-        Gatherer gatherer(*world_, from,
-                          {options_.lamp_rays, options_.around_rays, options_.source_rays, false},
-                          kStarts);
+        const uvec3 at = object.attributes.cells().cell(side.cell);
         std::array<shared::GridRay, kStarts> starts{};
+        std::array<LitPoint, kStarts> points{};
+        const int count =
+            find_starts(object, at, side.direction(), seed_of(at, side.direction(), 0), starts);
+        const vec3 normal = side.normal();
+        for (int part = 0; part < kStarts; ++part) {
+            const auto i = static_cast<std::size_t>(part % count);
+            if (part < count)
+                points[i] = world_->point(o.object, starts[i], side.direction(), normal);
+            visit(points[i], part, seed_of(at, side.direction(), pass + 1));
+        }
+    }
+
+    void gather_lamps(ObjectLight& o, const Block& block) {
+        LampGatherer gatherer(*world_, options_.lamp_rays, kStarts);
         for (std::size_t i = block.first; i < block.end; ++i) {
-            const Side& side = o.sides[i];
-            const uvec3 at = cells.cell(side.cell);
-            const std::uint32_t seed = seed_of(at, side.direction(), 0);
-            const int count = find_starts(object, at, side.direction(), seed, starts);
             gatherer.begin();
-            for (int part = 0; part < kStarts; ++part)
-                gatherer.add(world_->point(o.object, starts[static_cast<std::size_t>(part % count)],
-                                           side.direction(), side.normal()),
-                             part, seed_of(at, side.direction(), pass + 1));
+            for_points(o, o.sides[i], 0, [&](const LitPoint& point, int, std::uint32_t seed) {
+                gatherer.add(point, seed);
+            });
         }
         gatherer.trace();
         for (std::size_t i = block.first; i < block.end; ++i)
-            light[i] = gatherer.light(i - block.first);
+            o.from_lamps[i] = gatherer.light(i - block.first);
+        rays_ += gatherer.rays_traced();
+        sides_done_ += block.end - block.first;
+    }
+
+    /// Finds the light of the sky and of shining cells, and what cells the rays meet.
+    void gather_around(ObjectLight& o, const Block& block, std::span<std::uint32_t> rows) {
+        Gatherer gatherer(*world_, LightFrom::sources,
+                          {options_.lamp_rays, options_.around_rays, options_.source_rays, false},
+                          kStarts);
+        gatherer.keep_sides();
+        for (std::size_t i = block.first; i < block.end; ++i) {
+            gatherer.begin();
+            for_points(o, o.sides[i], 1, [&](const LitPoint& point, int part, std::uint32_t seed) {
+                gatherer.add(point, part, seed);
+            });
+        }
+        gatherer.trace();
+        auto to = rows.begin();
+        for (std::size_t i = block.first; i < block.end; ++i) {
+            o.from_sources[i] = gatherer.light(i - block.first);
+            for (const Gatherer::MetSide& met : gatherer.sides(i - block.first))
+                *to++ = target_of(met);
+        }
         rays_ += gatherer.rays_traced();
         sides_done_ += block.end - block.first;
     }
 
     [[nodiscard]] vec3 sum(const ObjectLight& o, std::size_t side, int bounce) const {
         vec3 light = o.from_lamps[side] + o.from_sources[side];
-        if (bounce > 0) light += o.reflected[static_cast<std::size_t>(bounce) - 1][side];
-        return light;
+        if (bounce == 0) return light;
+        const auto last = static_cast<std::size_t>(bounce) - 1;
+        const vec3 reflected = o.reflected[last][side];
+        light += reflected;
+        if (bounce < options_.bounces || !closes()) return light;
+        const vec3 before = last == 0 ? vec3(0.0f) : o.reflected[last - 1][side];
+        return light + glm::max(reflected - before, vec3(0.0f)) *
+                           unpack_rgb9e5(rest_[word_of(o, o.sides[side])]);
     }
 
     /// Stores what the light of a block sums up to. @return the flux by which it changed
     double write(ObjectLight& o, const Block& block, int bounce) {
-        std::vector<std::uint32_t>& words = *o.words[static_cast<std::size_t>(bounce)];
+        Words& words = *words_[static_cast<std::size_t>(bounce)];
         double flux = 0.0;
         for (std::size_t i = block.first; i < block.end; ++i) {
-            const Side& side = o.sides[i];
-            std::uint32_t& word =
-                words[6 * std::size_t{side.cell} + static_cast<std::size_t>(side.direction())];
+            const std::uint32_t at = word_of(o, o.sides[i]);
             const std::uint32_t next = pack_rgb9e5(sum(o, i, bounce));
-            if (next == word) continue;
-            const vec3 change = glm::abs(unpack_rgb9e5(next) - unpack_rgb9e5(word));
-            const CellSide cell{o.object, side.cell, side.direction()};
-            flux += static_cast<double>(greatest(change * world_->albedo(cell)));
-            word = next;
+            if (next == words[at]) continue;
+            const vec3 change = glm::abs(unpack_rgb9e5(next) - unpack_rgb9e5(words[at]));
+            flux += static_cast<double>(greatest(change * albedo(at)));
+            words[at] = next;
         }
         // A cell shows at most sqrt(3) of its face's area in any direction.
         const dvec3 edge(world_->instances().to_common(o.object)[0]);
@@ -371,13 +646,16 @@ private:
         return 1.74 * flux * width * width;
     }
 
-    /// Lets rays see the light after this many bounces.
-    void show_bounce(int bounce) {
-        for (ObjectLight& o : objects_) {
-            if (o.words.empty()) continue;
-            const auto& words = o.words[static_cast<std::size_t>(bounce)];
+    /// Lets others see the light.
+    void show() {
+        for (const ObjectLight& o : objects_) {
             LitObject& object = scene_.objects[o.object];
-            object.light = CellLight(object.attributes.level(), bounce, *words, words);
+            if (object.attributes.empty()) continue;
+            object.light =
+                CellLight(object.attributes.level(), options_.bounces,
+                          std::span(*words_.back())
+                              .subspan(o.first_word, 6 * object.attributes.cells().count()),
+                          words_.back());
         }
     }
 
@@ -394,13 +672,69 @@ private:
                     const bool near = reaches(light, box);
                     some[b] = some[b] != 0 || near ? 1 : 0;
                 }
-            for_blocks(o, some, [&](ObjectLight& lit, const Block& block) {
-                gather(lit, block, LightFrom::lamps, 0, lit.from_lamps);
-                flux[static_cast<std::size_t>(&block - lit.blocks.data())] = write(lit, block, 0);
+            for_blocks(o, some, [&](const Block& block) {
+                gather_lamps(o, block);
+                flux[static_cast<std::size_t>(&block - o.blocks.data())] = write(o, block, 0);
             });
             changes.push_back(std::move(flux));
         }
         return changes;
+    }
+
+    /// Redoes what comes straight from lamps and from around where an object was or is.
+    /// @param looked_around  gets the blocks whose rays over the hemisphere were sent again
+    Changes redo_around_object(std::uint32_t moved, const Ball& before, const Ball& after,
+                               Flags& looked_around) {
+        const Box& shining = world_->emitters().bounds();
+        Changes changes;
+        for (ObjectLight& o : objects_) {
+            std::vector<std::uint8_t> shaded(o.blocks.size(), 0), around(o.blocks.size(), 0),
+                some(o.blocks.size(), 0);
+            std::vector<double> flux(o.blocks.size(), 0.0);
+            for (std::size_t b = 0; b < some.size(); ++b) {
+                const Box& box = o.blocks[b].box;
+                const Ball block = ball_of(box);
+                bool all = o.object == moved, lamp = all, look = all || scene_.sky.uneven();
+                for (const Ball& ball : {before, after}) {
+                    for (const Light& light : scene_.lights)
+                        lamp = lamp || shades(ball, light, box);
+                    look = look || covered(box, ball) > options_.move_tolerance ||
+                           (!shining.empty() && between(ball, block, ball_of(shining)));
+                }
+                shaded[b] = lamp ? 1 : 0;
+                around[b] = look ? 1 : 0;
+                some[b] = lamp || look ? 1 : 0;
+            }
+            for_blocks(o, some, [&](const Block& block) {
+                const auto b = static_cast<std::size_t>(&block - o.blocks.data());
+                Words scratch;
+                if (shaded[b] != 0) gather_lamps(o, block);
+                if (around[b] != 0) gather_around(o, block, row_space(o, block, scratch));
+                flux[b] = write(o, block, 0);
+            });
+            looked_around.push_back(std::move(around));
+            changes.push_back(std::move(flux));
+        }
+        if (closes()) find_rest(objects_[moved]);
+        return changes;
+    }
+
+    /// Whether a ball may be between a lamp and a box.
+    [[nodiscard]] bool shades(const Ball& ball, const Light& light, const Box& box) const {
+        const Grid& grid = world_->instances().grid();
+        if (light.kind == Light::Kind::sun)
+            return between(ball, ball_of(box), -light.direction, light.size);
+        if (!reaches(light, {grid.to_world(box.low), grid.to_world(box.high)})) return false;
+        Box lamp;
+        lamp.extend(light.position);
+        if (light.kind == Light::Kind::mesh) lamp = {};
+        for (const auto& t : light.triangles)
+            for (const dvec3& corner : t) lamp.extend(corner);
+        if (lamp.empty()) return false;
+        const double size = light.size + glm::length(light.half_u) + glm::length(light.half_v);
+        return between(ball, ball_of(box),
+                       Ball{grid.to_grid(lamp.centre()),
+                            (size + 0.5 * glm::length(lamp.size())) / grid.voxel_size});
     }
 
     [[nodiscard]] static bool reaches(const Light& light, const Box& box) {
@@ -415,8 +749,8 @@ private:
     }
 
     /// Gathers a bounce anew where the light before it changed by enough.
-    Changes redo_bounce(int bounce, const Changes& before) {
-        show_bounce(bounce - 1);
+    /// @param always  blocks that are redone anyway
+    Changes redo_bounce(int bounce, const Changes& before, const Flags& always) {
         struct Source {
             const Box* box;
             double flux;
@@ -432,6 +766,10 @@ private:
             std::vector<double> flux(o.blocks.size(), 0.0);
             tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
                 double bound = 0.0;
+                if (!always.empty() && always[o.object][b] != 0) {
+                    some[b] = 1;
+                    return;
+                }
                 for (const Source& source : sources) {
                     // Irradiance over pi of a flux at this distance; nearer, of one that fills the
                     // view with no more than its own radiance.
@@ -441,10 +779,7 @@ private:
                 }
                 some[b] = bound > options_.tolerance ? 1 : 0;
             });
-            const auto index = static_cast<std::size_t>(bounce) - 1;
-            for_blocks(o, some, [&](ObjectLight& lit, const Block& block) {
-                gather(lit, block, LightFrom::cells, bounce, lit.reflected[index]);
-            });
+            for_blocks(o, some, [&](const Block& block) { reflect(o, block, bounce); });
             // Blocks whose direct light alone changed have another sum too.
             tbb::parallel_for(std::size_t{0}, o.blocks.size(),
                               [&](std::size_t b) { flux[b] = write(o, o.blocks[b], bounce); });
@@ -453,13 +788,13 @@ private:
         return changes;
     }
 
-    void start_report(const std::vector<std::uint32_t>& which, std::uint64_t passes) {
+    void start_report(std::uint64_t passes) {
         report_ = {};
         rays_ = sides_done_ = 0;
         done_ = next_ = total_ = 0;
-        for (const std::uint32_t i : which) {
-            report_.cells += scene_.objects[i].attributes.cells().count();
-            report_.sides += objects_[i].sides.size();
+        for (const ObjectLight& o : objects_) {
+            report_.cells += scene_.objects[o.object].attributes.cells().count();
+            report_.sides += o.sides.size();
         }
         total_ = report_.sides * passes;
     }
@@ -481,6 +816,13 @@ private:
     LightOptions options_;
     std::optional<LitWorld> world_;
     std::vector<ObjectLight> objects_;
+    std::vector<std::size_t> first_words_;       // of each object
+    std::vector<std::uint32_t> albedo_;          // of each word, see packed_albedo()
+    std::vector<std::shared_ptr<Words>> words_;  // the light as it is stored, for each number of
+                                                 // bounces, from 0
+    Words rest_;  // of each side, what an even light around it adds up to; see find_rest()
+    bool keeps_rows_ = false;
+    const std::array<float, 256> linear_ = linear_of_bytes();
 
     LightReport report_;
     std::atomic<std::uint64_t> rays_ = 0, sides_done_ = 0;

@@ -5,6 +5,7 @@
 
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/file_bytes.h"
+#include "octavo/mesh/masked_texture.h"
 #include "octavo/mesh/text_cursor.h"
 #include "octavo/mesh/texture_files.h"
 
@@ -60,14 +61,15 @@ void read_obj_materials(const std::filesystem::path& file, Scene& scene,
     Material* material = &passed_over;
     std::string_view color_map, alpha_map;
     const auto finish = [&] {
-        if (!alpha_map.empty()) {
-            // We have one texture for colour and alpha, as nearly all files do.
-            if (alpha_map == color_map)
-                material->alpha_cutoff = kMaskCutoff;
-            else
-                scene.warnings.push_back("material '" + material->name +
-                                         "': its separate alpha texture is not used");
+        int& texture = material->base_color_texture;
+        bool cut_out = !alpha_map.empty();
+        if (cut_out && alpha_map != color_map) {
+            texture = add_masked_texture(scene, folder, color_map, alpha_map);
+            cut_out = texture != Material::kNoTexture;
         }
+        if (texture == Material::kNoTexture && !color_map.empty())
+            texture = add_texture_file(scene, folder, color_map);
+        if (cut_out) material->alpha_cutoff = kMaskCutoff;
         color_map = alpha_map = {};
     };
 
@@ -96,7 +98,6 @@ void read_obj_materials(const std::filesystem::path& file, Scene& scene,
             material->base_color.a = 1.0f - read_color(rest, vec3(0.0f)).x;
         } else if (keyword == "map_Kd") {
             color_map = map_file({rest.at, rest.end});
-            material->base_color_texture = add_texture_file(scene, folder, color_map);
         } else if (keyword == "map_Ke") {
             material->emission_texture =
                 add_texture_file(scene, folder, map_file({rest.at, rest.end}));
