@@ -20,6 +20,10 @@ void run_stl(Bytes bytes);
 void run_gzip(Bytes bytes);       // whatever is in it
 void run_assimp(Bytes bytes);     // first byte: which format; the library in its process
 void run_arguments(Bytes bytes);  // numbers of the command line
+void run_lights(Bytes bytes);     // --light and --sky of the command line
+void run_scene(Bytes bytes);      // a scene file, beside two models: a.octv and b.octv
+void run_path(Bytes bytes);       // a camera path
+void run_sky_image(Bytes bytes);  // a picture of the sky, OpenEXR or Radiance
 
 struct Harness {
     const char* name;
@@ -41,6 +45,9 @@ struct Harness {
 [[nodiscard]] std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful);
 
 /// The file that 330 bytes of words make: one full node a level, 2^(3 depth) voxels.
-[[nodiscard]] std::vector<std::uint8_t> full_octv(int depth);
+/// @param attribute_level  above 0: its cells are all black, which takes 4 bytes for each 256
+/// @param compress         the attributes
+[[nodiscard]] std::vector<std::uint8_t> full_octv(int depth, int attribute_level = 0,
+                                                  bool compress = false);
 
 }  // namespace octavo::fuzz

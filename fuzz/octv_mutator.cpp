@@ -5,6 +5,8 @@
 #include <random>
 
 #include "harness.h"
+#include "octavo/attributes/attributes.h"
+#include "octavo/attributes/cell_light.h"
 #include "octavo/dag/dag.h"
 #include "octavo/dag/statistics.h"
 #include "octavo/io/compression.h"
@@ -51,16 +53,69 @@ std::string compressed(const std::string& raw) {
     return frame;
 }
 
+Light random_light(Random& random) {
+    const auto number = [&] { return static_cast<double>(random.below(2000)) / 100.0 - 10.0; };
+    const auto point = [&] { return dvec3(number(), number(), number()); };
+    Light light;
+    light.name = std::string(1, 'a');
+    light.kind = static_cast<Light::Kind>(random.below(6));
+    light.position = point();
+    light.direction = random.once_in(8) ? dvec3(0.0) : point();
+    light.intensity = random.once_in(8) ? vec3(-1.0f, 1e30f, 0.0f) : vec3(1.0f);
+    light.size = random.once_in(2) ? 0.0 : std::abs(number());
+    light.inner_angle = number();
+    light.outer_angle = number();
+    light.half_u = point();
+    light.half_v = random.once_in(4) ? dvec3(0.0) : point();
+    for (std::uint32_t i = random.below(4); light.kind == Light::Kind::mesh && i > 0; --i)
+        light.triangles.push_back({point(), point(), random.once_in(4) ? dvec3(1e300) : point()});
+    return light;
+}
+
+/// Values of all forms for the cells of some level, where there are few enough of them.
+void add_attributes(const Dag& dag, Metadata& metadata, OctvParts& parts, Random& random) {
+    constexpr std::uint64_t kMostCells = 3000;
+    int level = 2 + static_cast<int>(random.below(static_cast<unsigned>(dag.depth() - 1)));
+    while (level > 2 && CellIndex(dag, level).count() > kMostCells) --level;
+    const std::uint64_t cells = CellIndex(dag, level).count();
+    if (cells > kMostCells) return;
+    metadata.attributes = {level, cells, static_cast<int>(random.below(256))};
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        if (random.once_in(3)) continue;
+        CellValuesWriter writer(Attributes::kValueBits[c], 0);
+        std::vector<std::uint32_t> values;
+        const std::uint32_t colors = 1u << random.below(10);
+        const std::uint32_t mask = 0xffffffffu >> (32 - Attributes::kValueBits[c]);
+        for (std::uint64_t i = 0; i < cells; ++i)
+            values.push_back(random.below(colors) * 0x9e3779b1u & mask);
+        writer.append(values);
+        parts.set(octv::kAttributeSections[c], 0, text_of(std::move(writer).finish().words()));
+    }
+    if (random.once_in(2)) return;
+    std::vector<std::uint32_t> light(6 * cells);
+    for (std::uint32_t& word : light)
+        word = random.once_in(5) ? CellLight::kHidden : static_cast<std::uint32_t>(random.word64());
+    metadata.light =
+        LightSummary{static_cast<int>(random.below(9)), {random_light(random)}, "none"};
+    parts.set(octv::kLightSection, 0, text_of(light));
+}
+
 std::vector<std::uint8_t> file_of(int depth, const std::vector<std::uint64_t>& begins,
-                                  const std::vector<std::uint32_t>& words, Statistics statistics) {
+                                  const std::vector<std::uint32_t>& words, Statistics statistics,
+                                  Random* looks = nullptr) {
     Metadata metadata;
     metadata.source = "random";
     metadata.grid = {.origin = {-1.0, 2.0, 0.5}, .voxel_size = 0.25, .depth = depth};
     metadata.statistics = std::move(statistics);
     OctvParts parts;
-    parts.set(octv::kMetadataSection, octv::kRequired, encode_metadata(metadata));
+    parts.set(octv::kMetadataSection, octv::kRequired, "");
     parts.set(octv::kDagSection, octv::kRequired, text_of(words));
-    (void)begins;
+    if (looks != nullptr) {
+        for (std::uint32_t i = looks->below(3); i > 0; --i)
+            metadata.lights.push_back(random_light(*looks));
+        add_attributes(Dag(depth, begins, words), metadata, parts, *looks);
+    }
+    parts.find(octv::kMetadataSection)->content = encode_metadata(metadata);
     return parts.sealed();
 }
 
@@ -164,10 +219,10 @@ std::vector<std::uint8_t> random_octv(std::uint32_t seed, bool truthful) {
     }
     Statistics statistics = compute_statistics(Dag(depth, begins, words));
     if (!truthful) statistics.voxels = random.below(64);
-    return file_of(depth, begins, words, statistics);
+    return file_of(depth, begins, words, statistics, random.once_in(3) ? nullptr : &random);
 }
 
-std::vector<std::uint8_t> full_octv(int depth) {
+std::vector<std::uint8_t> full_octv(int depth, int attribute_level, bool compress) {
     std::vector<std::uint64_t> begins;
     std::vector<std::uint32_t> words;
     for (int level = 0; level < depth - 2; ++level) {
@@ -179,7 +234,23 @@ std::vector<std::uint8_t> full_octv(int depth) {
     begins.push_back(words.size());
     words.insert(words.end(), 2, 0xffffffffu);
     begins.push_back(words.size());
-    return file_of(depth, begins, words, compute_statistics(Dag(depth, begins, words)));
+    const auto file = file_of(depth, begins, words, compute_statistics(Dag(depth, begins, words)));
+    if (attribute_level == 0) return file;
+
+    OctvParts parts(file);
+    std::string& json = parts.find(octv::kMetadataSection)->content;
+    Metadata metadata = decode_metadata(json);
+    const std::uint64_t cells = std::uint64_t{1} << 3 * attribute_level;
+    metadata.attributes = {attribute_level, cells, 0};
+    json = encode_metadata(metadata);
+    std::vector<std::uint32_t> table(CellValues::kHeaderWords + (cells + 255) / 256);
+    table[0] = 24;
+    table[1] = static_cast<std::uint32_t>(table.size()) - CellValues::kHeaderWords;
+    const std::string raw = text_of(table);
+    parts.set(octv::kAttributeSections[0], compress ? octv::kZstd : 0,
+              compress ? compressed(raw) : raw);
+    parts.find(octv::kAttributeSections[0])->section.raw_bytes = raw.size();
+    return parts.sealed();
 }
 
 std::vector<std::uint8_t> mutate_octv(Bytes file, std::uint32_t seed,
@@ -198,6 +269,40 @@ std::vector<std::uint8_t> mutate_octv(Bytes file, std::uint32_t seed,
         content.resize(
             mutate_bytes(reinterpret_cast<std::uint8_t*>(content.data()), size, content.size()));
     };
+    std::vector<OctvParts::Part*> looks;
+    for (OctvParts::Part& part : parts.parts)
+        if (&part != dag && &part != metadata) looks.push_back(&part);
+    if (!looks.empty() && random.once_in(3)) {
+        OctvParts::Part& part = *looks[random.below(looks.size())];
+        std::vector<std::uint32_t> words = words_of(part.content);
+        switch (random.below(5)) {
+            case 0:
+                blindly(part.content);
+                break;
+            case 1:
+                part.section.id = octv::kAttributeSections[random.below(6)];
+                break;
+            case 2:
+                words.resize(random.below(words.size() + 8));
+                part.content = text_of(words);
+                break;
+            default:
+                for (std::uint32_t i = 1 + random.below(3); i > 0; --i) {
+                    // The table and the forms of blocks come first.
+                    if (random.once_in(2)) {
+                        change_word(words, random);
+                    } else {
+                        std::vector<std::uint32_t> front(
+                            words.begin(), words.begin() + static_cast<long>(std::min<std::size_t>(
+                                                               24, words.size())));
+                        change_word(front, random);
+                        std::ranges::copy(front, words.begin());
+                    }
+                }
+                part.content = text_of(words);
+        }
+        return parts.sealed();
+    }
     switch (random.below(8)) {
         case 0:
         case 1:

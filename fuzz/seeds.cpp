@@ -11,6 +11,7 @@
 #include "octavo/io/octv.h"
 #include "octavo/mesh/samples.h"
 #include "octavo/mesh/save.h"
+#include "octavo/render/render.h"
 
 namespace fs = std::filesystem;
 using namespace octavo;
@@ -79,6 +80,30 @@ void write_mesh_seeds(const fs::path& folder) {
         write(folder / "arguments" / std::to_string(std::hash<std::string>{}(text)), text);
 }
 
+void write_scene_seeds(const fs::path& folder) {
+    write(folder / "scene" / "a",
+          R"({"objects":[{"file":"a.octv"},{"name":"b","file":"b.octv","position":[1,2,3],)"
+          R"("rotation":{"axis":[0,1,1],"degrees":30},"scale":0.5}],)"
+          R"("lights":["sun:30,40","point:1,2,3:power=2"],"sky":"clear",)"
+          R"("camera":{"eye":[3,4,5],"at":[0,0,0],"fov":50}})");
+    write(folder / "path" / "a",
+          R"({"frames":12,"closed":true,"up":[0,1,0],"cameras":[{"eye":[1,2,3],"at":[0,0,0]},)"
+          R"({"eye":[3,2,1],"at":[0,0.5,0],"fov":60},{"eye":[-3,2,1],"at":[0,0,1]}]})");
+    int number = 0;
+    for (const char* text :
+         {"sun:30,40:size=2", "point:1,2,3:color=1,0.5,0", "spot:1,2,3:to=0,0,0:angle=20:power=3",
+          "disc:1,5,1:to=1,0,1:size=0.5", "rectangle:1,5,1:to=1,0,1:size=2x0.5", "scene=a", "none",
+          "clear:power=2", "color:1,2,3", "gradient:zenith=0,0,1:horizon=1,1,1:ground=0.1,0.1,0.1"})
+        write(folder / "lights" / std::to_string(number++), text);
+    write(
+        folder / "sky_image" / "flat.hdr",
+        std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 3\n") + std::string(24, '\x80'));
+    write(folder / "sky_image" / "runs.hdr",
+          std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02") +
+              std::string("\0\x08\x88\x10\x88\x20\x88\x30\x88\x80", 10));
+    write_exr(folder / "sky_image" / "a.exr", Image(4, 2));
+}
+
 /// Files that have broken other readers, to the harness of their kind.
 void copy_odd_meshes(const fs::path& from, const fs::path& folder) {
     static const std::map<std::string, std::pair<std::string, int>> kHarnesses = {
@@ -107,5 +132,6 @@ int main(int argc, char** argv) {
     if (argc < 2) return 2;
     write_octv_seeds(argv[1]);
     write_mesh_seeds(argv[1]);
+    write_scene_seeds(argv[1]);
     if (argc > 2 && fs::is_directory(argv[2])) copy_odd_meshes(argv[2], argv[1]);
 }

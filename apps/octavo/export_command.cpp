@@ -82,11 +82,13 @@ void export_folder(const ExportArguments& arguments, std::span<const std::byte> 
 void run_export(const ExportArguments& arguments) {
     (void)viewer_page();
     (void)read_octv(arguments.file);  // nobody is sent a damaged file
-    const std::shared_ptr<const Mapping> file = map_file(arguments.file);
+    // A copy: what is mapped ends the process where somebody cuts it off meanwhile.
+    FileCopy file(arguments.file);
+    file.fetch(0, file.bytes().size());
     if (arguments.single_file || arguments.html.extension() == ".html")
-        export_single(arguments, file->bytes());
+        export_single(arguments, file.bytes());
     else
-        export_folder(arguments, file->bytes());
+        export_folder(arguments, file.bytes());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "nanovdb_tracer.h"
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 
 #if OCTAVO_HAS_NANOVDB
 
@@ -14,8 +15,6 @@
 #include <nanovdb/util/HDDA.h>
 #include <nanovdb/util/Ray.h>
 #pragma GCC diagnostic pop
-
-#include <unistd.h>
 
 #include <bit>
 
@@ -50,12 +49,11 @@ void add(const Dag& dag, std::uint64_t word, int level, const ivec3& corner, Acc
 }
 
 void check_memory(const Model& model) {
-    const auto& levels = model.metadata.statistics.levels;
+    // Counted, as no reader has compared what the file says of the octree.
+    const auto levels = compute_statistics(model.dag).levels;
     const auto level = static_cast<std::size_t>(std::max(0, model.dag.depth() - 3));
     const std::uint64_t bytes = levels[level].svo_nodes * kBuilderBytes;
-    const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-    if (bytes > memory / 2)
+    if (bytes > machine_memory_bytes() / 2)
         throw Error(Errc::limit, "NanoVDB's grid of these voxels would take some " +
                                      std::to_string(bytes >> 30) +
                                      " GiB to build; a lower resolution would fit");

@@ -10,7 +10,11 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
+#include <fstream>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -160,6 +164,29 @@ TEST_F(View, ServesThePageAndTheFileBelowItsToken) {
     EXPECT_EQ(status_of(get(view, view.path())), 200);
     EXPECT_NE(get(view, view.path()).find("<canvas"), std::string::npos);
     EXPECT_EQ(body_of(get(view, view.path() + "scene.octv")), file_content(small_octv()));
+}
+
+TEST_F(View, ListensOnTheLoopbackAddressOnly) {
+    const Viewing view;
+    // "sl local_address ...": address and port in hexadecimal, the address lowest byte first.
+    std::ifstream sockets("/proc/net/tcp");
+    if (!sockets) GTEST_SKIP() << "no /proc/net/tcp here";
+    char port[8];
+    std::snprintf(port, sizeof port, ":%04X", static_cast<unsigned>(view.port()));
+    int listening = 0;
+    for (std::string line; std::getline(sockets, line);) {
+        std::istringstream words(line);
+        std::string number, local, remote, state;
+        words >> number >> local >> remote >> state;
+        if (!local.ends_with(port) || state != "0A") continue;
+        EXPECT_EQ(local.substr(0, 8), "0100007F");
+        ++listening;
+    }
+    EXPECT_EQ(listening, 1);
+    std::ifstream sockets6("/proc/net/tcp6");
+    for (std::string line; std::getline(sockets6, line);)
+        EXPECT_EQ(line.find(std::string(port) + " 00000000000000000000000000000000:0000 0A"),
+                  std::string::npos);
 }
 
 TEST_F(View, HasAnotherTokenEachTime) {

@@ -216,6 +216,26 @@ TEST(Forgery, CompressedDagAboveTheBudgetIsALimit) {
     }
 }
 
+TEST(Forgery, CompressedSectionsShareTheBudget) {
+    const TemporaryFolder folder;
+    Model model = test::small_model();
+    const CellIndex cells(model.dag, 4);
+    std::array<CellValues, Attributes::kChannels> channels;
+    CellValuesWriter writer(24, 0);
+    writer.append(std::vector<std::uint32_t>(cells.count(), 7));
+    channels[0] = std::move(writer).finish();
+    model.attributes = Attributes(cells, channels);
+    const std::uint64_t all = model.dag.size_bytes() + channels[0].words().size_bytes();
+    write_octv(folder / "a", model, {.compress = true});
+    EXPECT_TRUE(read_octv(folder / "a", {.max_dag_bytes = all}).attributes.has_color());
+    try {
+        (void)read_octv(folder / "a", {.max_dag_bytes = all - 1});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), Errc::limit);
+    }
+}
+
 TEST(Forgery, MetadataThatDoesNotMatchTheWordsIsRefused) {
     Forgery forgery(test::small_model());
     forgery.replace_in_metadata(R"("dag_nodes":2,"words":5)", R"("dag_nodes":1,"words":5)");

@@ -11,6 +11,7 @@
 #include "octavo/io/validate.h"
 #include "octavo/render/render.h"
 #include "octavo/trace/trace.h"
+#include "support/sanitized.h"
 #include "support/temporary_folder.h"
 
 namespace octavo {
@@ -77,6 +78,16 @@ TEST(SoundDags, WithWrongCountsAreRefused) {
 class FullCube : public testing::TestWithParam<int> {
 protected:
     FullCube() { test::write_file(folder / "full.octv", text_of(fuzz::full_octv(GetParam()))); }
+
+    /// Within the address space of a small program, and a time that paths would not keep.
+    void expect_answer(const std::string& line, const std::vector<int>& codes) {
+        const std::string limit =
+            test::kSanitized ? "" : "ulimit -v 4000000; ";  // their shadow needs more
+        const test::Outcome outcome = test::run_shell(folder.path(), limit + "timeout 20 " + line);
+        EXPECT_TRUE(std::ranges::find(codes, outcome.code) != codes.end())
+            << line << "\n"
+            << outcome.code << ": " << outcome.err;
+    }
     TemporaryFolder folder;
 };
 
@@ -87,18 +98,46 @@ TEST_P(FullCube, IsAnsweredAtOnceByEveryOperation) {
     EXPECT_EQ(found.statistics.voxels, voxels);
     EXPECT_LE(found.statistics.dag_bytes, 600u);
 
-    // Each command under the address space of a small program, and a time that paths would not
-    // keep.
-    for (const std::string& command :
-         {std::string("octavo validate --strict full.octv"),
-          std::string("octavo info full.octv --levels"),
-          std::string("octavo query full.octv --ray -100,3,3,1,0.01,0.01"),
-          std::string("octavo query full.octv --point 0,3,1"),
-          std::string(
-              "octavo render full.octv -o a.png --size 32x32 -q --force --samples 1 --ao 4")}) {
-        const test::Outcome outcome = test::run_shell(folder.path(), "timeout 20 " + command);
-        EXPECT_EQ(outcome.code, 0) << command << "\n" << outcome.err;
-    }
+    const auto file = fuzz::full_octv(GetParam(), 5);
+    test::write_file(folder / "looks.octv", text_of(file));
+    for (const char* line :
+         {"octavo validate --strict full.octv", "octavo validate --json looks.octv",
+          "octavo info full.octv --levels", "octavo info looks.octv --json",
+          "octavo query full.octv --ray -100,3,3,1,0.01,0.01",
+          "octavo query full.octv --point 0,3,1", "octavo query looks.octv --point 0,3,1 --json",
+          "octavo render full.octv -o a.png --size 32x32 -q --force --samples 1 --ao 4",
+          "octavo light looks.octv -o lit.octv -q --rays 1 --bounces 1",
+          "octavo validate --strict lit.octv",
+          "octavo render lit.octv -o a.png --size 16x16 -q --force --samples 1 --gi",
+          "octavo export full.octv --html page.html",
+          "octavo bench trace full.octv --frames 1 --size 8 --threads 1"})
+        expect_answer(line, {0});
+    // Refused, as there is nothing to light, and as these voxels have no place in a grid of bricks.
+    expect_answer("octavo light full.octv -q", {2});
+    expect_answer("octavo bench trace full.octv --frames 1 --size 8 --nanovdb", {2, 4});
+    expect_answer("octavo build full.octv -r 32 -o again.octv -q", {2, 3});
+}
+
+TEST_P(FullCube, IsServed) {
+    const test::Outcome outcome =
+        test::run_shell(folder.path(),
+                        "timeout 60 octavo view full.octv --no-open --port 0 >log 2>&1 & pid=$!\n"
+                        "for i in $(seq 300); do grep -q http log && break; sleep 0.1; done\n"
+                        "kill -INT $pid; wait $pid; code=$?; cat log; exit $code");
+    EXPECT_NE(outcome.out.find("http://127.0.0.1"), std::string::npos) << outcome.out;
+    EXPECT_LT(outcome.code, 128) << outcome.out;
+}
+
+/// Cells that all look alike take 4 bytes for 256 of them, and next to nothing compressed.
+TEST(ManyCells, OfAFewBytesAreRefusedBySize) {
+    const TemporaryFolder folder;
+    test::write_file(folder / "many.octv", text_of(fuzz::full_octv(13, 9, true)));
+    EXPECT_LT(std::filesystem::file_size(folder / "many.octv"), 20000u);
+    EXPECT_TRUE(validate_octv(folder / "many.octv").valid());
+    const test::Outcome light = test::run_shell(
+        folder.path(), "ulimit -v 8000000; timeout 60 octavo light many.octv -q --bounces 8");
+    EXPECT_EQ(light.code, 4) << light.err;
+    EXPECT_EQ(test::lines_in(light.err), 1) << light.err;
 }
 
 INSTANTIATE_TEST_SUITE_P(Depth, FullCube, testing::Values(13, 17),

@@ -69,6 +69,7 @@ TEST(Validate, ExitCodeIsThreeWhereThereAreFindings) {
     EXPECT_EQ(json["valid"], false);
     EXPECT_EQ(json["findings"][0]["code"], "section-checksum");
     EXPECT_TRUE(json["seconds"]["validate"].is_number());
+    EXPECT_LT(json["validate_share_of_reading"], 1.0);
     const Outcome text = run_shell(folder.path(), "octavo validate bad.octv");
     EXPECT_NE(text.out.find("section-checksum"), std::string::npos) << text.out;
     EXPECT_EQ(run_shell(folder.path(), "octavo validate missing.octv").code, 1);

@@ -5,6 +5,9 @@
 
 namespace octavo {
 
+/// Physical memory of the machine, in bytes.
+[[nodiscard]] std::uint64_t machine_memory_bytes();
+
 /// Physical memory that this process holds now, in bytes; 0 where the system does not say.
 [[nodiscard]] std::uint64_t resident_bytes();
 

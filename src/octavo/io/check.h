@@ -41,9 +41,11 @@ struct DagCheckOptions {
 /// @param words         any content
 /// @return  up to max_faults faults, the same whatever the number of threads
 ///
-/// Cost: visits every node once, never a path. Parallel, but for one pass that finds where the
-/// nodes of each level begin. Memory: 1/16 of the words, and eight bytes for each node of two
-/// levels. Strict: a sort of every level, and 16 bytes for each of its nodes.
+/// Cost: visits every node once, never a path. Words that are sound cost one pass and a look-up for
+/// each pointer, see voxels_if_sound; only where they are not, or strictly, a slower check says
+/// what is wrong. Memory: half a byte to four for each word of two levels; then 1/16 of the words,
+/// and eight bytes for each node of two levels. Strict: a sort of every level, and 16 bytes for
+/// each of its nodes.
 [[nodiscard]] std::vector<DagFault> find_faults(std::span<const std::uint64_t> level_begins,
                                                 std::span<const std::uint32_t> words,
                                                 const DagClaims& claims = {},

@@ -3,63 +3,109 @@
 
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/dag/node.h"
+#include "octavo/io/json_value.h"
 
 namespace octavo {
 namespace {
 
-using Json = nlohmann::ordered_json;  // keeps the order of keys: equal metadata, equal bytes
+/// JSON without spaces, written as it comes: equal metadata, equal bytes.
+class JsonWriter {
+public:
+    /// Of an object, or at the front of an array's item where there is no key.
+    JsonWriter& key(std::string_view name) {
+        separate();
+        append_json(text_, name);
+        text_ += ':';
+        first_ = true;
+        return *this;
+    }
+    JsonWriter& open(char bracket) {
+        separate();
+        text_ += bracket;
+        first_ = true;
+        return *this;
+    }
+    JsonWriter& close(char bracket) {
+        text_ += bracket;
+        first_ = false;
+        return *this;
+    }
+    JsonWriter& value(std::string_view text) {
+        separate();
+        append_json(text_, text);
+        return *this;
+    }
+    JsonWriter& value(std::uint64_t count) {
+        separate();
+        text_ += std::to_string(count);
+        return *this;
+    }
+    JsonWriter& value(int count) { return value(static_cast<std::uint64_t>(count)); }
+    JsonWriter& value(double number) {
+        // JSON has no such numbers, and the file could not be read back.
+        if (!std::isfinite(number))
+            throw Error(Errc::bad_argument, "metadata: a number is not finite");
+        separate();
+        append_json(text_, number);
+        return *this;
+    }
+    template <typename Vector>
+    JsonWriter& vector(const Vector& v) {
+        open('[');
+        for (const auto number : {v.x, v.y, v.z}) value(static_cast<double>(number));
+        return close(']');
+    }
+    [[nodiscard]] std::string take() { return std::move(text_); }
 
-constexpr int kMaxNesting = 8;
-constexpr std::size_t kMaxValues = 1'000'000;
-template <typename Vector>
-Json vector_json(const Vector& v) {
-    // dump() would write null, and the file could not be read back.
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-        throw Error(Errc::bad_argument, "metadata: a position or direction is not finite");
-    return {v.x, v.y, v.z};
-}
+private:
+    void separate() {
+        if (!std::exchange(first_, false)) text_ += ',';
+    }
 
-Json number_json(double number) {
-    if (!std::isfinite(number))
-        throw Error(Errc::bad_argument, "metadata: an angle or size is not finite");
-    return number;
-}
+    std::string text_;
+    bool first_ = true;  // of an object or array, or behind a key
+};
 
-Json camera_json(const Camera& camera) {
-    return {{"name", camera.name},
-            {"eye", vector_json(camera.eye)},
-            {"forward", vector_json(camera.forward)},
-            {"up", vector_json(camera.up)},
-            {"vertical_fov", number_json(camera.vertical_fov)}};
+void write_camera(JsonWriter& json, const Camera& camera) {
+    json.open('{').key("name").value(camera.name);
+    json.key("eye").vector(camera.eye);
+    json.key("forward").vector(camera.forward);
+    json.key("up").vector(camera.up);
+    json.key("vertical_fov").value(camera.vertical_fov).close('}');
 }
 
 /// What only some kinds have is left out of the others.
-Json light_json(const Light& light) {
-    Json json = {{"name", light.name},
-                 {"kind", name(light.kind)},
-                 {"position", vector_json(light.position)},
-                 {"direction", vector_json(light.direction)},
-                 {"intensity", vector_json(light.intensity)},
-                 {"inner_angle", number_json(light.inner_angle)},
-                 {"outer_angle", number_json(light.outer_angle)}};
-    if (light.size != 0.0) json["size"] = number_json(light.size);
+void write_light(JsonWriter& json, const Light& light) {
+    json.open('{').key("name").value(light.name);
+    json.key("kind").value(octavo::name(light.kind));
+    json.key("position").vector(light.position);
+    json.key("direction").vector(light.direction);
+    json.key("intensity").vector(light.intensity);
+    json.key("inner_angle").value(light.inner_angle);
+    json.key("outer_angle").value(light.outer_angle);
+    if (light.size != 0.0) json.key("size").value(light.size);
     if (light.kind == Light::Kind::rectangle) {
-        json["half_u"] = vector_json(light.half_u);
-        json["half_v"] = vector_json(light.half_v);
+        json.key("half_u").vector(light.half_u);
+        json.key("half_v").vector(light.half_v);
     }
     if (light.kind == Light::Kind::mesh) {
-        Json& triangles = json["triangles"] = Json::array();
+        json.key("triangles").open('[');
         for (const auto& corners : light.triangles)
             for (const dvec3& corner : corners)
-                for (const double number : {corner.x, corner.y, corner.z})
-                    triangles.push_back(number_json(number));
+                for (const double number : {corner.x, corner.y, corner.z}) json.value(number);
+        json.close(']');
     }
-    return json;
+    json.close('}');
+}
+
+void write_lights(JsonWriter& json, const std::vector<Light>& lights) {
+    json.key("lights").open('[');
+    for (const Light& light : lights) write_light(json, light);
+    json.close(']');
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -69,37 +115,35 @@ Json light_json(const Light& light) {
 /// A JSON value together with the way to it, so that an error can name the field.
 class Field {
 public:
-    Field(const Json& json, std::string name) : json_(json), name_(std::move(name)) {}
+    Field(const JsonValue& json, std::string name) : json_(json), name_(std::move(name)) {}
 
     [[nodiscard]] Field operator[](const char* key) const {
-        if (!json_.is_object()) refuse(name_ + " is not an object");
-        const auto found = json_.find(key);
-        if (found == json_.end()) refuse(name_ + "/" + key + " is missing");
+        if (json_.kind != Kind::object) refuse(name_ + " is not an object");
+        const JsonValue* const found = json_.find(key);
+        if (found == nullptr) refuse(name_ + "/" + key + " is missing");
         return {*found, name_ + "/" + key};
     }
-    [[nodiscard]] bool has(const char* key) const {
-        return json_.is_object() && json_.contains(key);
-    }
+    [[nodiscard]] bool has(const char* key) const { return json_.find(key) != nullptr; }
     [[nodiscard]] std::vector<Field> items() const {
-        if (!json_.is_array()) refuse(name_ + " is not an array");
+        if (json_.kind != Kind::array) refuse(name_ + " is not an array");
         std::vector<Field> fields;
-        for (std::size_t i = 0; i < json_.size(); ++i)
-            fields.emplace_back(json_[i], name_ + "/" + std::to_string(i));
+        for (std::size_t i = 0; i < json_.items.size(); ++i)
+            fields.emplace_back(json_.items[i], name_ + "/" + std::to_string(i));
         return fields;
     }
     [[nodiscard]] std::string text() const {
-        if (!json_.is_string()) refuse(name_ + " is not a text");
-        return json_.get<std::string>();
+        if (json_.kind != Kind::text) refuse(name_ + " is not a text");
+        return json_.text;
     }
     [[nodiscard]] double number() const {
-        if (!json_.is_number()) refuse(name_ + " is not a number");
-        const auto value = json_.get<double>();
-        if (!std::isfinite(value)) refuse(name_ + " is not finite");
-        return value;
+        if (json_.kind != Kind::number && json_.kind != Kind::count)
+            refuse(name_ + " is not a number");
+        if (!std::isfinite(json_.number)) refuse(name_ + " is not finite");
+        return json_.number;
     }
     [[nodiscard]] std::uint64_t count(std::uint64_t max) const {
-        if (!json_.is_number_unsigned()) refuse(name_ + " is not a count");
-        const auto value = json_.get<std::uint64_t>();
+        if (json_.kind != Kind::count) refuse(name_ + " is not a count");
+        const std::uint64_t value = json_.count;
         if (value > max)
             refuse(name_ + " is " + std::to_string(value) + "; at most " + std::to_string(max) +
                    " is possible");
@@ -117,7 +161,9 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
 
 private:
-    const Json& json_;
+    using Kind = JsonValue::Kind;
+
+    const JsonValue& json_;
     std::string name_;
 };
 
@@ -226,66 +272,53 @@ LightSummary decode_stored_light(const Field& json) {
     return light;
 }
 
-Json parse(std::string_view text) {
-    std::size_t values = 0;
-    const auto bounded = [&](int nesting, Json::parse_event_t, Json&) {
-        if (nesting > kMaxNesting) refuse("the JSON is nested too deep");
-        if (++values > kMaxValues) refuse("the JSON has too many values");
-        return true;
-    };
+JsonValue parse(std::string_view text) {
     try {
-        return Json::parse(text.begin(), text.end(), bounded);
-    } catch (const Json::parse_error& error) {
-        refuse("not JSON at its byte " + std::to_string(error.byte));
-    } catch (const Json::exception&) {
-        refuse("not JSON: a number is out of range");
+        return parse_json(text);
+    } catch (const Error& error) {
+        refuse(error.what());
     }
 }
 
 }  // namespace
 
 std::string encode_metadata(const Metadata& metadata) {
-    Json levels = Json::array();
-    for (const LevelStatistics& level : metadata.statistics.levels)
-        levels.push_back({{"svo_nodes", level.svo_nodes},
-                          {"dag_nodes", level.dag_nodes},
-                          {"words", level.bytes / sizeof(std::uint32_t)}});
-    Json cameras = Json::array();
-    for (const Camera& camera : metadata.cameras) cameras.push_back(camera_json(camera));
-    Json lights = Json::array();
-    for (const Light& light : metadata.lights) lights.push_back(light_json(light));
-
-    Json json = {{"source", metadata.source},
-                 {"rule", name(metadata.rule)},
-                 {"grid",
-                  {{"origin", vector_json(metadata.grid.origin)},
-                   {"voxel_size", number_json(metadata.grid.voxel_size)},
-                   {"depth", metadata.grid.depth}}},
-                 {"triangles",
-                  {{"total", metadata.triangles},
-                   {"degenerate", metadata.degenerate_triangles},
-                   {"non_finite", metadata.non_finite_triangles}}},
-                 {"voxels", metadata.statistics.voxels},
-                 {"levels", std::move(levels)},
-                 {"cameras", std::move(cameras)},
-                 {"lights", std::move(lights)}};
-    if (metadata.attributes)
-        json["attributes"] = {{"level", metadata.attributes->level},
-                              {"cells", metadata.attributes->cells},
-                              {"tolerance", metadata.attributes->tolerance}};
-    if (metadata.light) {
-        Json of_cells = Json::array();
-        for (const Light& light : metadata.light->lights) of_cells.push_back(light_json(light));
-        json["light"] = {{"bounces", metadata.light->bounces},
-                         {"sky", metadata.light->sky},
-                         {"lights", std::move(of_cells)}};
+    JsonWriter json;
+    json.open('{').key("source").value(metadata.source);
+    json.key("rule").value(name(metadata.rule));
+    json.key("grid").open('{').key("origin").vector(metadata.grid.origin);
+    json.key("voxel_size").value(metadata.grid.voxel_size);
+    json.key("depth").value(metadata.grid.depth).close('}');
+    json.key("triangles").open('{').key("total").value(metadata.triangles);
+    json.key("degenerate").value(metadata.degenerate_triangles);
+    json.key("non_finite").value(metadata.non_finite_triangles).close('}');
+    json.key("voxels").value(metadata.statistics.voxels);
+    json.key("levels").open('[');
+    for (const LevelStatistics& level : metadata.statistics.levels) {
+        json.open('{').key("svo_nodes").value(level.svo_nodes);
+        json.key("dag_nodes").value(level.dag_nodes);
+        json.key("words").value(level.bytes / sizeof(std::uint32_t)).close('}');
     }
-    // Names come from scene files and may be any bytes; what is not UTF-8 becomes U+FFFD.
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    json.close(']').key("cameras").open('[');
+    for (const Camera& camera : metadata.cameras) write_camera(json, camera);
+    json.close(']');
+    write_lights(json, metadata.lights);
+    if (metadata.attributes) {
+        json.key("attributes").open('{').key("level").value(metadata.attributes->level);
+        json.key("cells").value(metadata.attributes->cells);
+        json.key("tolerance").value(metadata.attributes->tolerance).close('}');
+    }
+    if (metadata.light) {
+        json.key("light").open('{').key("bounces").value(metadata.light->bounces);
+        json.key("sky").value(metadata.light->sky);
+        write_lights(json, metadata.light->lights);
+        json.close('}');
+    }
+    return json.close('}').take();
 }
 
 Metadata decode_metadata(std::string_view text) {
-    const Json json = parse(text);
+    const JsonValue json = parse(text);
     const Field root(json, "");
     Metadata metadata;
     metadata.source = root["source"].text();

@@ -11,6 +11,7 @@
 
 #include "octavo/core/atomic_file.h"
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "octavo/io/check.h"
 #include "octavo/io/compression.h"
 #include "octavo/io/container.h"
@@ -227,18 +228,29 @@ void check_nodes(const Section& section, std::span<const std::uint64_t> begins,
     }
 }
 
-void check_dag_size(const Section& section, const Statistics& statistics, const Reading& reading) {
+/// A few bytes can stand for very many, so what all sections claim is added up before any of them
+/// is given memory.
+void allow_decompressed(const Section& section, Reading& reading) {
+    if (!(section.flags & kZstd)) return;
+    const std::uint64_t allowed =
+        std::min(reading.options.max_dag_bytes, machine_memory_bytes() / 2);
+    if (section.raw_bytes > allowed - std::min(allowed, reading.decompressed_bytes))
+        throw FormatError(Errc::limit, "limit", reading.path,
+                          "section " + section_name(section.id) + " takes " +
+                              std::to_string(section.raw_bytes) + " bytes, and " +
+                              std::to_string(allowed) + " are allowed for all that is compressed",
+                          section.offset);
+    reading.decompressed_bytes += section.raw_bytes;
+}
+
+void check_dag_size(const Section& section, const Statistics& statistics, Reading& reading) {
     if (section.raw_bytes != statistics.dag_bytes || section.raw_bytes > kMaxDagBytes)
         throw FormatError(Errc::bad_input, "dag-size", reading.path,
                           "section DAG has " + std::to_string(section.raw_bytes) +
                               " bytes where the metadata states " +
                               std::to_string(statistics.dag_bytes),
                           section.offset);
-    if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
-        throw FormatError(Errc::limit, "limit", reading.path,
-                          "the DAG takes " + std::to_string(section.raw_bytes) + " bytes, and " +
-                              std::to_string(reading.options.max_dag_bytes) + " are allowed",
-                          section.offset);
+    allow_decompressed(section, reading);
 }
 
 std::vector<Section> read_directory(Source& source, Reading& reading) {
@@ -254,18 +266,15 @@ std::vector<Section> read_directory(Source& source, Reading& reading) {
 
 CellValues read_channel(Source& source, const Section& section, std::uint64_t cells, int value_bits,
                         Reading& reading) {
-    const auto refuse = [&](Errc errc, std::string_view code, const std::string& reason) {
-        throw FormatError(errc, code, reading.path, "section " + section_name(section.id) + reason,
-                          section.offset);
+    const auto refuse = [&](std::string_view code, const std::string& reason) {
+        throw FormatError(Errc::bad_input, code, reading.path,
+                          "section " + section_name(section.id) + reason, section.offset);
     };
     Words words;
     reading.check(reading.times.read, [&] {
         if (section.raw_bytes % sizeof(std::uint32_t) != 0)
-            refuse(Errc::bad_input, "attribute-size", " is not a whole number of words");
-        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
-            refuse(Errc::limit, "limit",
-                   " takes " + std::to_string(section.raw_bytes) + " bytes, and " +
-                       std::to_string(reading.options.max_dag_bytes) + " are allowed");
+            refuse("attribute-size", " is not a whole number of words");
+        allow_decompressed(section, reading);
         source.fetch(section);
     });
     if (!reading.findings.empty()) return {};
@@ -279,7 +288,7 @@ CellValues read_channel(Source& source, const Section& section, std::uint64_t ce
     if (!trusted)
         reading.check(reading.times.validate, [&] {
             if (const auto fault = CellValues::find_fault(words.words, cells, value_bits))
-                refuse(Errc::bad_input, "attribute-values",
+                refuse("attribute-values",
                        ": " + fault->reason + " (word " + std::to_string(fault->word) + ")");
         });
     if (!reading.findings.empty()) return {};
@@ -319,12 +328,7 @@ CellLight read_light(Source& source, const std::vector<Section>& sections, const
                                   " bytes where its " + std::to_string(cells) +
                                   " cells need 24 each",
                               section.offset);
-        if (section.flags & kZstd && section.raw_bytes > reading.options.max_dag_bytes)
-            throw FormatError(Errc::limit, "limit", reading.path,
-                              "section LITE takes " + std::to_string(section.raw_bytes) +
-                                  " bytes, and " + std::to_string(reading.options.max_dag_bytes) +
-                                  " are allowed",
-                              section.offset);
+        allow_decompressed(section, reading);
         source.fetch(section);
     });
     if (!reading.findings.empty()) return {};

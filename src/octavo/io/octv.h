@@ -44,8 +44,8 @@ struct OctvReadOptions {
     /// processes read it. Only where nobody changes it while it is in use, as above.
     bool map = false;
 
-    /// A compressed DAG or attribute that claims more than this is refused before any memory is
-    /// taken.
+    /// Where the compressed sections together claim more than this, or than half of the machine's
+    /// memory, the file is refused before any is taken.
     std::uint64_t max_dag_bytes = std::uint64_t{16} << 30;
 
     bool attributes = true;  // read them, where the file has any

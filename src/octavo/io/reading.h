@@ -24,6 +24,7 @@ struct Reading {
     std::size_t max_findings = 1;
     std::vector<Finding> findings = {};
     std::uint64_t metadata_offset = 0;
+    std::uint64_t decompressed_bytes = 0;  // of all sections so far
 
     /// Runs a check, which throws an Error where something is wrong with the content.
     template <typename Check>

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/light/gather.h"
 #include "octavo/light/side_starts.h"
@@ -248,6 +249,14 @@ private:
                 throw Error(Errc::limit, "light is for at most 715 million cells; this has " +
                                              std::to_string(words / 6));
         }
+        // A small file may have attributes of very many cells, where they are all alike.
+        const std::uint64_t bytes =
+            sizeof(std::uint32_t) * words * (static_cast<std::uint64_t>(options_.bounces) + 2);
+        if (bytes > machine_memory_bytes() / 2)
+            throw Error(Errc::limit, "the light of " + std::to_string(words / 6) + " cells and " +
+                                         std::to_string(options_.bounces) + " bounces takes " +
+                                         std::to_string(bytes) +
+                                         " bytes, more than half of this machine's memory");
         albedo_.resize(words);
         for (int bounce = 0; bounce <= options_.bounces; ++bounce)
             words_.push_back(std::make_shared<Words>(words, CellLight::kHidden));

@@ -12,6 +12,9 @@ namespace {
 
 /// Smallest cluster: a 64th of what is lit over the number of clusters along a side.
 constexpr int kShells = 6;
+/// More than this in all lists together (64 MiB): most lights reach most clusters, and lists of
+/// them would save little.
+constexpr std::size_t kMostListed = std::size_t{1} << 24;
 
 struct Reach {
     dvec3 middle{0.0};
@@ -98,6 +101,11 @@ LightGrid::LightGrid(std::span<const Light> lights, const Box& lit, const dvec3&
                         if (distance_to(box, reaches[i].middle) <= reaches[i].radius)
                             lists_.push_back(i);
                     begins_.push_back(static_cast<std::uint32_t>(lists_.size()));
+                    if (lists_.size() <= kMostListed) continue;
+                    shells_.clear();
+                    begins_.clear();
+                    lists_ = {};
+                    return;
                 }
     }
 }

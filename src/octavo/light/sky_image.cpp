@@ -14,6 +14,7 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ SkyImage load_exr(const std::filesystem::path& file) {
         }
         return image;
     } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
         throw Error(Errc::bad_input, file, std::string("cannot read: ") + error.what());

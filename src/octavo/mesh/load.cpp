@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/mesh/load.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <new>
 #include <string>
 
+#include "octavo/core/memory.h"
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
 
@@ -14,11 +13,6 @@ namespace octavo {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::uint64_t machine_memory_bytes() {
-    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 std::string lowercase(std::string text) {
     for (char& c : text)

@@ -3,7 +3,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/light/cell_views.h"
 #include "octavo/render/effects.h"
@@ -168,8 +168,7 @@ DeviceInfo cpu_info() {
     info.name = processor_name();
     info.type = "CPU";
     info.driver = std::string("SIMD ") + simd_targets().front();
-    info.memory_bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    info.memory_bytes = machine_memory_bytes();
     info.limits = {{"threads", static_cast<std::uint64_t>(available_threads())}};
     return info;
 }

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// Scene files, camera paths, lights and skies: what is taken can be drawn.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "../apps/octavo/camera_path.h"
+#include "../apps/octavo/light_arguments.h"
+#include "../apps/octavo/lit_arguments.h"
+#include "harness.h"
+#include "octavo/render/render_lit.h"
+
+namespace octavo::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+void require(bool condition, const char* promise) {
+    if (condition) return;
+    std::fprintf(stderr, "broken: %s\n", promise);
+    std::abort();
+}
+
+void write(const fs::path& file, Bytes bytes) {
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+}
+
+/// A folder of this process with two models in it, which scene files name a.octv and b.octv.
+const fs::path& folder() {
+    static const fs::path kFolder = [] {
+        std::string pattern = (fs::exists("/dev/shm") ? std::string("/dev/shm")
+                                                      : fs::temp_directory_path().string()) +
+                              "/octavo-fuzz-XXXXXX";
+        require(mkdtemp(pattern.data()) != nullptr, "a folder for the test itself");
+        std::atexit([] {
+            std::error_code ignored;
+            fs::remove_all(folder(), ignored);
+        });
+        write(fs::path(pattern) / "a.octv", full_octv(4, 2));
+        write(fs::path(pattern) / "b.octv", random_octv(3, true));
+        return fs::path(pattern);
+    }();
+    return kFolder;
+}
+
+bool finite(const dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void draw(const LitScene& scene, const std::optional<Camera>& camera) {
+    RenderOptions options;
+    options.width = options.height = 4;
+    options.shadow_samples = options.ao_samples = options.samples = 1;
+    options.threads = 1;
+    options.camera = camera;
+    try {
+        (void)render_lit(scene, Lighting::gathered, options);
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_argument || error.code() == Errc::limit,
+                "a scene is drawn or refused");
+    }
+}
+
+void check_bad_input(const Error& error) {
+    require(error.code() != Errc::cancelled, "nobody has stopped it");
+    require(std::string(error.what()).find('\n') == std::string::npos, "a message is one line");
+}
+
+}  // namespace
+
+void run_scene(Bytes bytes) {
+    const fs::path file = folder() / "scene.json";
+    write(file, bytes);
+    cli::SceneFile scene;
+    try {
+        scene = cli::read_scene_file(file);
+    } catch (const Error& error) {
+        check_bad_input(error);
+        return;
+    }
+    require(!scene.scene.objects.empty() && scene.scene.objects.size() == scene.models.size(),
+            "every object has a model");
+    if (scene.scene.objects.size() > 50) return;  // drawn in proportion
+    std::optional<Camera> camera;
+    try {
+        std::vector<cli::LightArgument> lights;
+        for (const std::string& text : scene.lights)
+            lights.push_back(cli::parse_light(text, dvec3(0.0, 1.0, 0.0)));
+        scene.scene.lights = cli::chosen_lights(lights, scene.models[0].metadata.lights,
+                                                scene.models[0].grid().bounds());
+        if (scene.camera)
+            camera = look_at(scene.camera->eye, scene.camera->at, dvec3(0.0, 1.0, 0.0),
+                             scene.camera->fov_degrees.value_or(45.0) * 0.0174532925);
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_argument, "a bad light is a bad argument");
+    }
+    draw(scene.scene, camera);
+}
+
+void run_path(Bytes bytes) {
+    const fs::path file = folder() / "path.json";
+    write(file, bytes);
+    try {
+        const cli::CameraPath path = cli::read_camera_path(file);
+        require(path.frames >= 1 && path.frames <= 100000, "frames are in range");
+        for (int frame = 0; frame < path.frames; frame += 1 + path.frames / 16) {
+            const Camera camera = path.camera(frame, path.frames);
+            require(finite(camera.eye) && finite(camera.forward) && finite(camera.up),
+                    "cameras of a path are finite");
+        }
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_input, "a bad path is bad input");
+        check_bad_input(error);
+    }
+}
+
+void run_lights(Bytes bytes) {
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const dvec3 up(0.0, 1.0, 0.0);
+    const Box lit{dvec3(-1.0), dvec3(2.0)};
+    try {
+        const cli::LightArgument light = cli::parse_light(text, up);
+        require(std::isfinite(light.power) && light.power >= 0.0, "power is a number");
+        require(finite(light.light.position) && finite(light.light.direction) &&
+                    finite(light.light.half_u) && finite(light.light.half_v) &&
+                    finite(dvec3(light.light.intensity)) && light.light.size >= 0.0,
+                "a light is finite");
+        LitScene scene;
+        scene.objects.push_back({.dag = Dag(2, {0, 2}, {1u, 0x8000u}), .grid = {{}, 0.5, 2}});
+        scene.lights = cli::chosen_lights({light}, {}, lit);
+        draw(scene, std::nullopt);
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_argument, "a bad light is a bad argument");
+    }
+    // Names of pictures would be opened: sky_image is for what is in them.
+    if (text.find(".exr") != std::string::npos || text.find(".hdr") != std::string::npos) return;
+    try {
+        const Sky sky = cli::parse_sky(text, up);
+        const vec3 light = sky.radiance(vec3(0.0f, 0.6f, 0.8f));
+        require(!(light.x < 0.0f) && !std::isnan(light.x), "a sky's light is a number");
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_argument, "a bad sky is a bad argument");
+    }
+}
+
+void run_sky_image(Bytes bytes) {
+    const bool exr = bytes.size() >= 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0;
+    const fs::path file = folder() / (exr ? "a.exr" : "a.hdr");
+    write(file, bytes);
+    try {
+        const SkyImage image = load_sky_image(file);
+        require(image.color.size() ==
+                    static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height),
+                "a picture has its pixels");
+        if (image.color.size() > 4096) return;
+        const Sky sky = Sky::image(image, dvec3(0.0, 1.0, 0.0), 0.3);
+        require(!std::isnan(sky.radiance(vec3(0.0f, 0.6f, 0.8f)).x), "a sky's light is a number");
+    } catch (const Error& error) {
+        require(error.code() == Errc::bad_input || error.code() == Errc::unsupported ||
+                    error.code() == Errc::limit,
+                "a bad picture is bad input");
+    }
+}
+
+}  // namespace octavo::fuzz
