@@ -9,6 +9,7 @@
 #include "light/voxel_rooms.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/render/render_lit.h"
+#include "support/lamps.h"
 
 namespace octavo {
 namespace {
@@ -184,11 +185,7 @@ TEST(DoorAjarSlow, LightsNothingThatPathsDoNot) {
         return box || wall;
     });
     LitScene scene = scene_of(dag, grey(dag, 6, kDark), {});
-    Light lamp;
-    lamp.kind = Light::Kind::point;
-    lamp.position = {12.0, 30.0, 12.0};
-    lamp.intensity = vec3(3000.0f);
-    scene.lights.push_back(lamp);
+    scene.lights.push_back(test::lamp_at({12.0, 30.0, 12.0}, 3000.0f));
     light_cells(scene, {});
     for (const dvec3& eye : {dvec3(55, 40, 55), dvec3(12, 40, 55)}) {
         RenderOptions options = small_picture(eye, {33, 10, 25}, 16);
@@ -211,11 +208,7 @@ TEST(ConvexCorner, TheSideAwayFromTheLampStaysDark) {
     const Dag dag = test::dag_of_voxels(
         6, [](const dvec3& p) { return p.y < 8.0 || (p.x < 32.0 && p.z < 32.0 && p.y < 40.0); });
     LitScene scene = scene_of(dag, grey(dag, 6, kDark), {});
-    Light lamp;
-    lamp.kind = Light::Kind::point;
-    lamp.position = {20.0, 30.0, 55.0};
-    lamp.intensity = vec3(3000.0f);
-    scene.lights.push_back(lamp);
+    scene.lights.push_back(test::lamp_at({20.0, 30.0, 55.0}, 3000.0f));
     light_cells(scene, {});
     RenderOptions options = small_picture({60, 36, 20}, {32, 20, 24}, 16);
     options.width = 64;
