@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "octavo/backend/device.h"
-#include "octavo/light/sky.h"
 #include "octavo/light/cell_views.h"
+#include "octavo/light/sky.h"
 #include "octavo/render/effects.h"
 
 #include "octavo/backend/passes.h"

@@ -287,8 +287,7 @@ OCTAVO_FN void cached_pass(PixelJob job, uint i) {
     GridRay surface = surface_ray(point);
     if (job.smoothed != 0)
         point = smoothed_point(job.dag, ray, hit, smooth_normal_32(job.dag, ray, hit), 0u);
-    vec3 light =
-        cached_light(job.dag, job.looks.cells, job.cell_light, surface, point, hit.face);
+    vec3 light = cached_light(job.dag, job.looks.cells, job.cell_light, surface, point, hit.face);
     vec3 albedo = look.albedo.x < 0.0f ? clay() : look.albedo;
     job.colors.at[i] += look.emission + albedo * light;
 }
@@ -325,8 +324,8 @@ OCTAVO_FN void gbuffer_looks_pass(PixelJob job, uint i) {
             emission = look.emission;
         }
         if ((job.wanted & kWantLight) != 0)
-            light = cached_light(job.dag, job.looks.cells, job.cell_light, surface, point,
-                                 kFaceNone);
+            light =
+                cached_light(job.dag, job.looks.cells, job.cell_light, surface, point, kFaceNone);
     }
     for (int axis = 0; axis < 3; axis += 1) {
         uint at = 3u * i + uint(axis);

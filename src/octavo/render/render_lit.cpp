@@ -114,9 +114,8 @@ private:
             if (options_.smooth_normals)
                 before = smoothed_point(dag, hit.ray, open,
                                         normals[hit.object].get(dag, hit.ray, open), 0);
-            const vec3 light =
-                cached_light(dag, shared::view(object.attributes.cells()),
-                             shared::view(object.light), surface, before, open.face);
+            const vec3 light = cached_light(dag, shared::view(object.attributes.cells()),
+                                            shared::view(object.light), surface, before, open.face);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }
