@@ -38,14 +38,15 @@ struct Prepared {
         : scene(std::move(of)),
           source(scene, smallest_cube(scene.bounds(), kDepth), VoxelRule::conservative,
                  kTileDepth) {
-        std::vector<CellNode> cells;
+        ReduceScratch scratch;
+        OctreeCounts counts;
         for (std::size_t i = 0; i < source.tiles().size(); ++i) {
             std::vector<LeafBlock> blocks;
             source.voxelize(i, blocks);
             if (blocks.empty()) continue;
             leaf_count += blocks.size();
             parts.emplace_back(kTileTop);
-            reduce_leaves(parts.back(), blocks, cells);
+            reduce_leaves(parts.back(), blocks, scratch, counts);
             leaves.push_back(std::move(blocks));
             codes.push_back(static_cast<std::uint32_t>(source.tiles()[i]));
         }
@@ -77,12 +78,13 @@ void voxelize(benchmark::State& state, const std::string& name) {
 void reduce_tiles(benchmark::State& state, const std::string& name) {
     const Prepared& scene = prepared(name);
     NodeStore part(kTileTop);
-    std::vector<CellNode> cells;
+    ReduceScratch scratch;
+    OctreeCounts counts;
     for ([[maybe_unused]] auto iteration : state)
         for (const std::vector<LeafBlock>& blocks : scene.leaves) {
             part.clear();
-            reduce_leaves(part, blocks, cells);
-            benchmark::DoNotOptimize(cells.data());
+            reduce_leaves(part, blocks, scratch, counts);
+            benchmark::DoNotOptimize(scratch.nodes.data());
         }
     set_rate(state, scene);
 }

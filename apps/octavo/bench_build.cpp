@@ -109,12 +109,6 @@ SceneFigures measure_scene(const std::string& input, const BuildBenchArguments& 
 
 Json row_json(const BuildRow& row) {
     const Statistics& s = row.statistics;
-    Json levels = Json::array();
-    for (const LevelStatistics& level : s.levels)
-        levels.push_back({{"level", level.level},
-                          {"svo_nodes", level.svo_nodes},
-                          {"dag_nodes", level.dag_nodes},
-                          {"bytes", level.bytes}});
     return {{"resolution", 1u << row.depth},
             {"construct_seconds",
              {{"median", row.median()},
@@ -129,7 +123,7 @@ Json row_json(const BuildRow& row) {
             {"dag_bytes", s.dag_bytes},
             {"bits_per_voxel", s.bits_per_voxel()},
             {"pointerless_svo_bytes", s.pointerless_svo_bytes()},
-            {"levels", std::move(levels)}};
+            {"levels", levels_json(s)}};
 }
 
 Json figures_json(const std::vector<SceneFigures>& scenes, const BuildBenchArguments& arguments,

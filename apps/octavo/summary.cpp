@@ -170,16 +170,20 @@ std::string short_count(double number) {
     return fmt::format("{:.{}f}{}", number, decimals, kUnits[unit]);
 }
 
-Json summary_json(const OctvSummary& summary) {
-    const Metadata& metadata = summary.metadata;
-    const Statistics& statistics = metadata.statistics;
-    const Box bounds = metadata.grid.bounds();
+Json levels_json(const Statistics& statistics) {
     Json levels = Json::array();
     for (const LevelStatistics& level : statistics.levels)
         levels.push_back({{"level", level.level},
                           {"svo_nodes", level.svo_nodes},
                           {"dag_nodes", level.dag_nodes},
                           {"bytes", level.bytes}});
+    return levels;
+}
+
+Json summary_json(const OctvSummary& summary) {
+    const Metadata& metadata = summary.metadata;
+    const Statistics& statistics = metadata.statistics;
+    const Box bounds = metadata.grid.bounds();
     Json cameras = Json::array();
     for (const Camera& camera : metadata.cameras) cameras.push_back(camera.name);
     Json lights = Json::array();
@@ -207,7 +211,7 @@ Json summary_json(const OctvSummary& summary) {
         {"non_finite_triangles", metadata.non_finite_triangles},
         {"cameras", std::move(cameras)},
         {"lights", std::move(lights)},
-        {"levels", std::move(levels)}};
+        {"levels", levels_json(statistics)}};
     if (metadata.attributes) json["attributes"] = attribute_json(summary);
     if (metadata.light) json["light"] = light_json(summary);
     return json;

@@ -15,6 +15,9 @@ using Json = nlohmann::ordered_json;
 /// The keys are part of the interface: they may be added to, not renamed.
 [[nodiscard]] Json summary_json(const OctvSummary& summary);
 
+/// How many nodes and bytes each level has.
+[[nodiscard]] Json levels_json(const Statistics& statistics);
+
 /// A table for people, ending in a new line.
 [[nodiscard]] std::string summary_table(const OctvSummary& summary);
 

@@ -151,18 +151,7 @@ TEST(CellIndex, NothingOutsideTheGrid) {
 
 TEST(CellIndex, CountsPast32BitsByVisitingNodes) {
     // A full grid of 131072^3: 2^51 voxels behind 137 words.
-    std::vector<std::uint32_t> words;
-    std::vector<std::uint64_t> levels;
-    for (int l = 0; l < 15; ++l) {
-        levels.push_back(words.size());
-        const auto child = static_cast<std::uint32_t>(words.size()) + 9;
-        words.push_back(0xff);
-        words.insert(words.end(), 8, child);
-    }
-    levels.push_back(words.size());
-    words.insert(words.end(), 2, 0xffffffffu);
-    levels.push_back(words.size());
-    const Dag dag(17, levels, words);
+    const Dag dag = test::full_grid(17);
     const CellIndex index(dag, 17);
     EXPECT_EQ(index.count(), std::uint64_t{1} << 51);
     EXPECT_FALSE(index.fits_32_bits());

@@ -24,11 +24,6 @@ INSTANTIATE_TEST_SUITE_P(All, Rays, test::kTestDevices, test::device_name);
 class RaysSlow : public test::OnDevice {};
 INSTANTIATE_TEST_SUITE_P(All, RaysSlow, test::kTestDevices, test::device_name);
 
-s::GridRay grid_ray(const Ray& ray) {
-    const dvec3 cell = glm::floor(ray.origin);
-    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
-}
-
 /// Every kind of random ray, among them those along edges and from far away.
 std::vector<s::GridRay> all_kinds(const Dag& dag, std::uint32_t seed, std::size_t count) {
     test::RandomRays random(seed, static_cast<int>(dag.resolution()));
@@ -36,7 +31,7 @@ std::vector<s::GridRay> all_kinds(const Dag& dag, std::uint32_t seed, std::size_
     for (std::size_t i = 0; i < count; ++i) {
         Ray ray = random(static_cast<test::RandomRays::Kind>(i % test::RandomRays::kinds));
         if (i % 13 == 0) ray.origin -= 4.0 * dag.resolution() * ray.direction;
-        rays.push_back(grid_ray(ray));
+        rays.push_back(test::grid_ray(ray));
     }
     return rays;
 }

@@ -73,9 +73,9 @@ void reduce_in_steps(NodeStore& store, const std::vector<LeafBlock>& leaves, int
 
 void expect_same(const std::vector<LeafBlock>& leaves, int top, int hash_bits) {
     NodeStore expected(top);
-    std::vector<CellNode> cells;
+    ReduceScratch scratch;
     OctreeCounts counts;
-    reduce_leaves(expected, leaves, cells, counts);
+    reduce_leaves(expected, leaves, scratch, counts);
     NodeStore found(top);
     reduce_in_steps(found, leaves, hash_bits);
     for (int height = 0; height <= top; ++height) {

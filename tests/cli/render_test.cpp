@@ -3,6 +3,7 @@
 
 #include "cli/run_command.h"
 #include "octavo/io/octv.h"
+#include "support/lamps.h"
 
 namespace octavo::test {
 namespace {
@@ -13,14 +14,6 @@ Light sun_towards(const dvec3& direction) {
     sun.direction = glm::normalize(direction);
     sun.intensity = vec3(2.0f);
     return sun;
-}
-
-Light lamp_at(const dvec3& position, float intensity) {
-    Light lamp;
-    lamp.kind = Light::Kind::point;
-    lamp.position = position;
-    lamp.intensity = vec3(intensity);
-    return lamp;
 }
 
 /// The bytes of a small picture of the sample's DAG with these lights in its file.
@@ -37,7 +30,7 @@ std::string picture(const std::vector<Light>& lights, const std::string& options
 
 const Light kMorning = sun_towards({1, -1, -0.5});
 const Light kEvening = sun_towards({-1, -1, 0.5});
-const Light kLamp = lamp_at({-11, 4, 0}, 50.0f);
+const Light kLamp = test::lamp_at({-11, 4, 0}, 50.0f);
 
 TEST(RenderLight, IsThatOfTheFile) {
     EXPECT_TRUE(picture({kMorning}) != picture({kEvening}));
@@ -49,7 +42,7 @@ TEST(RenderLight, IsThatOfTheFile) {
 
 TEST(RenderLight, IsALampWhereThereIsNoSun) {
     EXPECT_TRUE(picture({kLamp}) != picture({}));
-    EXPECT_TRUE(picture({kLamp}) != picture({lamp_at({-11, 1, 0}, 50.0f)}));
+    EXPECT_TRUE(picture({kLamp}) != picture({test::lamp_at({-11, 1, 0}, 50.0f)}));
 }
 
 TEST(RenderAmbient, StopsAtAnAngleOnlyWhereItIsAskedFor) {
@@ -119,7 +112,7 @@ TEST(RenderLight, IsRefusedWhereItMakesNoSense) {
 }
 
 TEST(RenderLight, IsAsBrightInCandelaAsInNothingAtAll) {
-    EXPECT_TRUE(picture({kLamp}) == picture({lamp_at({-11, 4, 0}, 51200.0f)}));
+    EXPECT_TRUE(picture({kLamp}) == picture({test::lamp_at({-11, 4, 0}, 51200.0f)}));
 }
 
 }  // namespace

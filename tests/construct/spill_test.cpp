@@ -131,7 +131,7 @@ TEST(SpilledTriangles, GiveTheLeavesOfTrianglesInMemory) {
 PartState fill(NodeStore& store, std::vector<CellNode>& roots, std::uint64_t first,
                std::span<const std::uint64_t> leaves) {
     for (const std::uint64_t voxels : leaves) {
-        const std::uint32_t leaf = store.add_leaf(voxels);
+        const std::uint32_t leaf = store.level(0).add_leaf(voxels);
         const std::uint32_t words[kMaxNodeWords] = {1u << voxels % 8, leaf};
         const auto code = static_cast<std::uint32_t>(first + roots.size());
         roots.push_back({code, store.level(1).add(words)});

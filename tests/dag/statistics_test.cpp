@@ -3,28 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/small_dags.h"
+
 namespace octavo {
 namespace {
 
-/// A full grid: one node for each level, whose eight pointers are the same.
-Dag full_grid(int depth) {
-    std::vector<std::uint32_t> words;
-    std::vector<std::uint64_t> levels;
-    for (int l = 0; l < depth - 2; ++l) {
-        levels.push_back(words.size());
-        const auto child = static_cast<std::uint32_t>(words.size()) + 9;
-        words.push_back(0xff);
-        words.insert(words.end(), 8, child);
-    }
-    levels.push_back(words.size());
-    words.insert(words.end(), 2, 0xffffffffu);
-    levels.push_back(words.size());
-    return Dag(depth, levels, words);
-}
-
 TEST(Statistics, CountsPathsByVisitingNodes) {
     // 2^51 voxels behind 137 words: anything that walked paths would not come back.
-    const Statistics s = compute_statistics(full_grid(17));
+    const Statistics s = compute_statistics(test::full_grid(17));
     EXPECT_EQ(s.voxels, std::uint64_t{1} << 51);
     EXPECT_EQ(s.dag_nodes, 16u);
     EXPECT_EQ(s.levels[16].svo_nodes, std::uint64_t{1} << 48);

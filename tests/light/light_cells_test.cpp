@@ -7,6 +7,7 @@
 
 #include "light/voxel_rooms.h"
 #include "octavo/core/error.h"
+#include "support/lamps.h"
 
 namespace octavo {
 namespace {
@@ -20,14 +21,6 @@ LitScene floor_scene(int depth, int level) {
     scene.objects.push_back(
         {.dag = dag, .grid = unit_grid(depth), .attributes = grey(dag, level, 200)});
     return scene;
-}
-
-Light lamp_at(const dvec3& position, float intensity) {
-    Light lamp;
-    lamp.kind = Light::Kind::point;
-    lamp.position = position;
-    lamp.intensity = vec3(intensity);
-    return lamp;
 }
 
 TEST(LightCells, AFloorUnderASunHasTheCosineOfItsHeight) {
@@ -77,7 +70,7 @@ protected:
         });
         scene.objects.push_back(
             {.dag = dag, .grid = unit_grid(6), .attributes = grey(dag, 6, 200)});
-        scene.lights = {lamp_at({15, 40, 30}, 300.0f), lamp_at({50, 40, 30}, 300.0f)};
+        scene.lights = {test::lamp_at({15, 40, 30}, 300.0f), test::lamp_at({50, 40, 30}, 300.0f)};
     }
     LitScene scene;
 };
@@ -85,7 +78,7 @@ protected:
 TEST_F(TwoRooms, AChangedLightGivesWhatLightingAnewDoes) {
     CellLighter lighter(scene, {.around_rays = 16});
     lighter.light_all();
-    const Light moved = lamp_at({18, 30, 20}, 200.0f);
+    const Light moved = test::lamp_at({18, 30, 20}, 200.0f);
     lighter.change_light(0, moved);
     const CellLight changed = scene.objects[0].light;
     LitScene again = scene;
@@ -104,7 +97,7 @@ TEST_F(TwoRooms, AChangedLightGivesWhatLightingAnewDoes) {
 TEST_F(TwoRooms, ALightThatIsAddedIsLitToo) {
     CellLighter lighter(scene, {.around_rays = 16});
     lighter.light_all();
-    lighter.change_light(2, lamp_at({45, 10, 45}, 50.0f));
+    lighter.change_light(2, test::lamp_at({45, 10, 45}, 50.0f));
     EXPECT_EQ(scene.lights.size(), 3u);
     LitScene again = scene;
     light_cells(again, {.around_rays = 16});
@@ -114,15 +107,15 @@ TEST_F(TwoRooms, ALightThatIsAddedIsLitToo) {
             worst = std::max(worst, std::abs(scene.objects[0].light.get(cell, d).g -
                                              again.objects[0].light.get(cell, d).g));
     EXPECT_LT(worst, 0.01f);
-    EXPECT_THROW(lighter.change_light(9, lamp_at({45, 10, 45}, 50.0f)), Error);
+    EXPECT_THROW(lighter.change_light(9, test::lamp_at({45, 10, 45}, 50.0f)), Error);
 }
 
 TEST(ChangeLight, OfAWeakLampLeavesFarCellsAlone) {
     LitScene scene = floor_scene(7, 7);
-    scene.lights = {sun_at(0.4, 0.8), lamp_at({10, 8, 10}, 0.05f)};
+    scene.lights = {sun_at(0.4, 0.8), test::lamp_at({10, 8, 10}, 0.05f)};
     CellLighter lighter(scene, {.around_rays = 16});
     const LightReport all = lighter.light_all();
-    const LightReport some = lighter.change_light(1, lamp_at({12, 8, 10}, 0.05f));
+    const LightReport some = lighter.change_light(1, test::lamp_at({12, 8, 10}, 0.05f));
     EXPECT_LT(some.sides_done, all.sides_done / 10);
     EXPECT_GT(some.sides_done, 0u);
 }

@@ -14,11 +14,6 @@ namespace {
 
 namespace s = shared;
 
-s::GridRay grid_ray(const Ray& ray) {
-    const dvec3 cell = glm::floor(ray.origin);
-    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
-}
-
 TEST(SmoothNormal, IsThatOfASlantedPlaneOnBothItsSides) {
     for (const ivec3& a : {ivec3(3, -5, 7), ivec3(1, 9, 2), ivec3(0, 4, 1), ivec3(1, 1, 1)}) {
         const Dag dag = test::slanted_wall(8, a, (a.x + a.y + a.z) * 128);
@@ -28,7 +23,7 @@ TEST(SmoothNormal, IsThatOfASlantedPlaneOnBothItsSides) {
         double sum = 0.0;
         int hits = 0;
         for (int i = 0; i < 4000; ++i) {
-            const s::GridRay ray = grid_ray(random(test::RandomRays::outside));
+            const s::GridRay ray = test::grid_ray(random(test::RandomRays::outside));
             const s::GridHit hit = trace_closest(s::view(dag), ray, {0, 0.0f, 0.0f});
             // Away from the border of the grid, where the neighbourhood is whole, and not edge-on.
             if (hit.face >= s::kFaceInside || std::abs(glm::dot(ray.dir, plane)) < 0.2f) continue;
@@ -53,7 +48,7 @@ TEST(SmoothNormal, OfAThinFlatWallIsItsFace) {
         6, [](const uvec3&, std::uint32_t) { return true; },
         [](const uvec3& v) { return v.z == 30; });
     for (const double sign : {-1.0, 1.0}) {
-        const s::GridRay ray = grid_ray({{20.3, 25.6, 30 - 20 * sign}, {0.1, 0.2, sign}});
+        const s::GridRay ray = test::grid_ray({{20.3, 25.6, 30 - 20 * sign}, {0.1, 0.2, sign}});
         const s::GridHit hit = trace_closest(s::view(dag), ray, {0, 0.0f, 0.0f});
         EXPECT_EQ(smooth_normal(s::view(dag), ray, hit), vec3(0, 0, -sign));
         EXPECT_EQ(face_normal(ray, hit), vec3(0, 0, -sign));
@@ -66,7 +61,7 @@ TEST(SmoothNormal, LooksOutOfASphereAtEveryLevel) {
         test::dag_of_distance(8, [&](const dvec3& p) { return glm::length(p - centre) - 100.0; });
     test::RandomRays random(5, 256);
     for (int i = 0; i < 3000; ++i) {
-        const s::GridRay ray = grid_ray(random(test::RandomRays::outside));
+        const s::GridRay ray = test::grid_ray(random(test::RandomRays::outside));
         const int height = i % 3;
         const s::GridHit hit = trace_closest(s::view(dag), ray, {height, 0.0f, 0.0f});
         if (hit.face >= s::kFaceInside) continue;

@@ -144,6 +144,21 @@ Dag dust(int depth, double density, std::uint32_t seed) {
     return builder.freeze(below.empty() ? 0 : below[0]);
 }
 
+Dag full_grid(int depth) {
+    std::vector<std::uint32_t> words;
+    std::vector<std::uint64_t> levels;
+    for (int l = 0; l < depth - 2; ++l) {
+        levels.push_back(words.size());
+        const auto child = static_cast<std::uint32_t>(words.size()) + 9;
+        words.push_back(0xff);
+        words.insert(words.end(), 8, child);
+    }
+    levels.push_back(words.size());
+    words.insert(words.end(), 2, 0xffffffffu);
+    levels.push_back(words.size());
+    return Dag(depth, levels, words);
+}
+
 Dag slanted_wall(int depth, const ivec3& a, std::int64_t offset) {
     const std::int64_t thickness = std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
     SmallDagBuilder builder(depth);

@@ -46,6 +46,9 @@ Dag dag_of_distance(int depth, const std::function<double(const dvec3&)>& distan
 /// holes of every size at any depth.
 Dag dust(int depth, double density, std::uint32_t seed);
 
+/// Every voxel: one node for each level, whose eight pointers are the same.
+Dag full_grid(int depth);
+
 /// The voxels with 0 <= a.v - offset < |a.x| + |a.y| + |a.z|: a slanted wall without holes.
 Dag slanted_wall(int depth, const ivec3& a, std::int64_t offset);
 

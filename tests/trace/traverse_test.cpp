@@ -15,11 +15,6 @@ namespace {
 namespace s = shared;
 constexpr s::Stop kToVoxels{0, 0.0f, 0.0f};
 
-s::GridRay grid_ray(const Ray& ray) {
-    const dvec3 cell = glm::floor(ray.origin);
-    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
-}
-
 /// The ray that grid_ray() holds, as exactly as it holds it.
 test::ExactRay exact_ray(const s::GridRay& ray) {
     return {dvec3(ray.cell) + dvec3(ray.frac), dvec3(ray.dir), ray.t_min, ray.t_max};
@@ -67,7 +62,8 @@ TEST_P(TraverseAgainstDouble, FindsTheSameVoxelsButForGrazes) {
         for (int kind = 0; kind < test::RandomRays::kinds; ++kind) {
             Count count;
             for (int i = 0; i < 2500; ++i)
-                compare(dag, grid_ray(rays(static_cast<test::RandomRays::Kind>(kind))), count);
+                compare(dag, test::grid_ray(rays(static_cast<test::RandomRays::Kind>(kind))),
+                        count);
             EXPECT_EQ(count.wrong, 0) << "depth " << depth << " seed " << seed << " kind " << kind;
             // A ray passes some 10 to 100 edges of voxels, each within 1e-7 of the way: one in
             // thousands grazes. Diagonals and lattice rays meet edges exactly, where double rounds
@@ -88,7 +84,7 @@ TEST(Traverse, FindsTheSameVoxelsFromFarAwayAtDepth17) {
         for (int i = 0; i < 10000; ++i) {
             Ray ray = random(test::RandomRays::inside);
             ray.origin -= 3e5 * ray.direction;
-            compare(dag, grid_ray(ray), count);
+            compare(dag, test::grid_ray(ray), count);
         }
         EXPECT_EQ(count.wrong, 0);
         // The edges of the wall's voxels are all close to any ray, and the ray errs by 0.1 voxels.
@@ -102,7 +98,7 @@ TEST(Traverse, GivesTheBitsOfTheOtherTraversal) {
         const Dag dag = test::dust(depth, 0.5, 4);
         test::RandomRays rays(9, static_cast<int>(dag.resolution()));
         for (int i = 0; i < 30000; ++i) {
-            s::GridRay ray = grid_ray(rays(static_cast<test::RandomRays::Kind>(i % 6)));
+            s::GridRay ray = test::grid_ray(rays(static_cast<test::RandomRays::Kind>(i % 6)));
             if (i % 5 == 0) ray.t_max = static_cast<float>(dag.resolution()) * 0.4f;
             const s::Stop stop{i % 7 == 0 ? 1 : 0, i % 3 == 0 ? 0.01f : 0.0f, 0.0f};
             const s::GridHit a = trace_closest(s::view(dag), ray, stop);
@@ -121,7 +117,8 @@ TEST(Traverse, SecondaryRaysFromAFaceNeverHitTheCellTheyLeave) {
         test::RandomRays random(2, static_cast<int>(dag.resolution()));
         int faces = 0;
         for (int i = 0; i < 60000; ++i) {
-            const s::GridRay ray = grid_ray(random(static_cast<test::RandomRays::Kind>(i % 6)));
+            const s::GridRay ray =
+                test::grid_ray(random(static_cast<test::RandomRays::Kind>(i % 6)));
             const s::GridHit hit = trace_closest(s::view(dag), ray, kToVoxels);
             if (hit.face >= s::kFaceInside) continue;
             ++faces;
@@ -143,7 +140,7 @@ TEST(Beam, StartsNoRayOfTheBundleAfterItsHit) {
         test::RandomRays random(4, static_cast<int>(dag.resolution()));
         int helped = 0;
         for (int i = 0; i < 2000; ++i) {
-            const s::GridRay centre = grid_ray(random(test::RandomRays::outside));
+            const s::GridRay centre = test::grid_ray(random(test::RandomRays::outside));
             const float spread = static_cast<float>(std::exp2(random.uniform(-12, -3)));
             s::Bundle beam;
             beam.cell = centre.cell;

@@ -17,11 +17,6 @@ namespace {
 
 namespace s = shared;
 
-s::GridRay grid_ray(const Ray& ray) {
-    const dvec3 cell = glm::floor(ray.origin);
-    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
-}
-
 /// Runs each test on every SIMD target of this machine, and puts the choice back.
 class Wide : public testing::TestWithParam<const char*> {
 protected:
@@ -60,7 +55,8 @@ TEST_P(Wide, GivesTheBitsOfTheSharedText) {
                                     static_cast<int>(dag.resolution()));
             std::vector<s::GridRay> rays;
             for (int i = 0; i < 1200; ++i) {
-                rays.push_back(grid_ray(random(static_cast<test::RandomRays::Kind>(i / 200))));
+                rays.push_back(
+                    test::grid_ray(random(static_cast<test::RandomRays::Kind>(i / 200))));
                 if (i % 5 == 0) rays.back().t_max = static_cast<float>(dag.resolution()) * 0.4f;
                 if (i % 7 == 0) rays.back().t_min = static_cast<float>(dag.resolution()) * 0.2f;
                 if (i % 11 == 0) rays.back().t_min = -1e9f;
@@ -84,7 +80,7 @@ TEST_P(Wide, GivesTheBitsForRaysThatLeaveOneFace) {
         test::RandomRays random(2, static_cast<int>(dag.resolution()));
         std::vector<s::GridRay> rays;
         while (rays.size() < 64 * 40) {
-            const s::GridRay ray = grid_ray(random(test::RandomRays::outside));
+            const s::GridRay ray = test::grid_ray(random(test::RandomRays::outside));
             const s::GridHit hit = trace_closest(s::view(dag), ray, {0, 0.0f, 0.0f});
             if (hit.face >= s::kFaceInside) continue;
             for (int i = 0; i < 64; ++i) {
@@ -110,7 +106,7 @@ TEST_P(Wide, NotANumberEndsWithoutAHit) {
 
 TEST_P(Wide, EmptyDagIsMissed) {
     const Dag empty = test::SmallDagBuilder(9).freeze(0);
-    expect_same(empty, {100, grid_ray({{1, 1, -5}, {0, 0, 1}})}, {0, 0.0f, 0.0f}, "empty");
+    expect_same(empty, {100, test::grid_ray({{1, 1, -5}, {0, 0, 1}})}, {0, 0.0f, 0.0f}, "empty");
 }
 
 }  // namespace

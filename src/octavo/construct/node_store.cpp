@@ -46,50 +46,93 @@ NodeStore::NodeStore(int top) {
     for (int h = 1; h <= top; ++h) levels_.emplace_back(UniqueNodes::Kind::interior);
 }
 
-std::uint32_t NodeStore::merge_root(const NodeStore& part) {
-    // The nodes of a level wait in a ring between being hashed and being added, so that the table's
-    // slot and then the node it names arrive from memory meanwhile.
-    constexpr std::uint64_t kRing = 32;
-    constexpr std::uint64_t kNodeDelay = 16;
+// The nodes of a level wait in a ring between being hashed and being added, so that the table's
+// slot and then the node it names arrive from memory meanwhile.
+namespace {
+
+constexpr std::uint64_t kRing = 32;
+constexpr std::uint64_t kNodeDelay = 16;
+
+/// Calls begin(i), look(i) and add(i) for each i below count: in that order for each, and all calls
+/// of one kind in order, but with others between them.
+template <class Begin, class Look, class Add>
+void in_a_ring(std::uint64_t count, const Begin& begin, const Look& look, const Add& add) {
+    for (std::uint64_t i = 0; i < count + kRing; ++i) {
+        if (i >= kRing) add(i - kRing);
+        if (i >= kNodeDelay && i - kNodeDelay < count) look(i - kNodeDelay);
+        if (i < count) begin(i);
+    }
+}
+
+}  // namespace
+
+std::uint32_t NodeStore::merge_leaves(const UniqueNodes& leaves) {
+    UniqueNodes& target = level(0);
+    std::array<std::uint64_t, kRing> hashes;
+    const std::uint32_t* words = leaves.words().data();
+    new_ids_.resize(leaves.words().size());
+    std::uint32_t last_id = 0;
+    const auto voxels = [&](std::uint64_t i) {
+        return words[2 * i] | std::uint64_t{words[2 * i + 1]} << 32;
+    };
+    in_a_ring(
+        leaves.count(),
+        [&](std::uint64_t i) {
+            hashes[i % kRing] = UniqueNodes::hash_leaf(voxels(i));
+            target.prefetch_slot(hashes[i % kRing]);
+        },
+        [&](std::uint64_t i) { target.prefetch_node(hashes[i % kRing]); },
+        [&](std::uint64_t i) {
+            last_id = target.add_leaf(voxels(i), hashes[i % kRing]);
+            new_ids_[2 * i] = last_id;
+        });
+    return last_id;
+}
+
+std::uint32_t NodeStore::merge_level(const UniqueNodes& nodes, UniqueNodes& target) {
     struct Waiting {
-        std::uint32_t words[kMaxNodeWords];
-        std::uint32_t id;
+        ChildIds children;
         std::uint64_t hash;
+        std::uint32_t child_mask, id;
     };
     std::array<Waiting, kRing> ring;
-
-    std::uint32_t last_id = 0;
-    for (int h = 0; h <= part.top(); ++h) {
-        UniqueNodes& target = level(h);
-        const UniqueNodes& nodes = part.level(h);
-        const std::uint32_t* words = nodes.words().data();
-        const std::uint64_t count = nodes.count();
-        std::swap(new_ids_, new_ids_below_);
-        new_ids_.resize(nodes.words().size());
-
-        std::uint32_t id = 0;
-        for (std::uint64_t i = 0; i < count + kRing; ++i) {
-            if (i >= kRing) {
-                const Waiting& node = ring[i % kRing];
-                last_id = target.add(node.words, node.hash);
-                new_ids_[node.id] = last_id;
+    const std::uint32_t* words = nodes.words().data();
+    std::swap(new_ids_, new_ids_below_);
+    new_ids_.resize(nodes.words().size());
+    std::uint32_t next = 0, last_id = 0;
+    in_a_ring(
+        nodes.count(),
+        [&](std::uint64_t i) {
+            Waiting& node = ring[i % kRing];
+            const std::uint32_t* old = words + next;
+            const int count = node_words(old[0]) - 1;
+            const ChildIds old_children = ChildIds::first_of(old + 1, count);
+            // Those after the last one look up 0, and are dropped.
+            for (int k = 0; k < 4; ++k) {
+                const std::uint64_t pair = old_children.pair[k];
+                const std::uint64_t high = new_ids_below_[pair >> 32];
+                node.children.pair[k] =
+                    new_ids_below_[static_cast<std::uint32_t>(pair)] | high << 32;
             }
-            if (i >= kNodeDelay && i - kNodeDelay < count)
-                target.prefetch_node(ring[(i - kNodeDelay) % kRing].hash);
-            if (i < count) {
-                Waiting& node = ring[i % kRing];
-                const std::uint32_t* old = words + id;
-                const int size = nodes.size_of(old);
-                node.words[0] = old[0];
-                for (int k = 1; k < size; ++k)
-                    node.words[k] = h == 0 ? old[k] : new_ids_below_[old[k]];
-                node.id = id;
-                node.hash = target.hash(node.words);
-                target.prefetch_slot(node.hash);
-                id += static_cast<unsigned>(size);
-            }
-        }
-    }
+            node.children.keep(count);
+            node.child_mask = old[0];
+            node.id = next;
+            node.hash = UniqueNodes::hash_interior(node.child_mask, node.children);
+            target.prefetch_slot(node.hash);
+            next += static_cast<unsigned>(count) + 1;
+        },
+        [&](std::uint64_t i) { target.prefetch_node(ring[i % kRing].hash); },
+        [&](std::uint64_t i) {
+            const Waiting& node = ring[i % kRing];
+            last_id = target.add_interior(node.child_mask, node.children, node.hash);
+            new_ids_[node.id] = last_id;
+        });
+    return last_id;
+}
+
+std::uint32_t NodeStore::merge_root(const NodeStore& part) {
+    std::uint32_t last_id = merge_leaves(part.level(0));
+    for (int h = 1; h <= part.top(); ++h) last_id = merge_level(part.level(h), level(h));
     return last_id;
 }
 

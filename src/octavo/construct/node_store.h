@@ -26,13 +26,6 @@ public:
         return levels_[static_cast<unsigned>(height)];
     }
 
-    std::uint32_t add_leaf(std::uint64_t voxels) {
-        // As long as the longest node, because the compiler cannot see that leaves have two words.
-        const std::uint32_t words[kMaxNodeWords] = {static_cast<std::uint32_t>(voxels),
-                                                    static_cast<std::uint32_t>(voxels >> 32)};
-        return levels_[0].add(words);
-    }
-
     /// Adds all nodes of a smaller store whose heights this one has too. Afterwards, node `id` of
     /// height h of `part` is node new_id(h, id) here.
     ///
@@ -57,6 +50,9 @@ public:
     [[nodiscard]] Dag freeze(int depth) &&;
 
 private:
+    std::uint32_t merge_leaves(const UniqueNodes& leaves);
+    std::uint32_t merge_level(const UniqueNodes& nodes, UniqueNodes& target);
+
     std::vector<UniqueNodes> levels_;
     std::vector<std::uint32_t> new_ids_, new_ids_below_;  // scratch of merge_root
 };

@@ -26,15 +26,20 @@ void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
 void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& cells,
                     OctreeCounts& counts);
 
+/// Room for reduce_leaves() to work in: the cells of one level, in Morton order.
+struct ReduceScratch {
+    std::vector<std::uint32_t> codes, nodes;  // as CellNode
+    std::vector<std::uint8_t> child_masks;    // of the level above
+};
+
 /// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by
 /// level ([K13] section 3).
 ///
 /// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top
 ///                height
-/// @param cells   scratch
 /// @param counts  is added to
-void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves,
-                   std::vector<CellNode>& cells, OctreeCounts& counts);
+void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves, ReduceScratch& scratch,
+                   OctreeCounts& counts);
 
 /// Counts what reduce_leaves() counts of the same leaves, for a ReduceFunction: the cells of each
 /// height up to `top` that have voxels.

@@ -15,7 +15,7 @@ void voxelize_and_reduce(const VoxelSource& source, const ReduceFunction& reduce
     part.store.clear();
     part.empty = part.leaves.empty();
     if (part.empty) return;
-    if (!reduce) return reduce_leaves(part.store, part.leaves, part.cells, part.counts);
+    if (!reduce) return reduce_leaves(part.store, part.leaves, part.scratch, part.counts);
     reduce(part.store, part.leaves);
     count_cells(part.leaves, part.store.top(), part.counts);
 }

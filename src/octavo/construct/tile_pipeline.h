@@ -22,7 +22,7 @@ struct TilePart {
     bool empty = false;
     OctreeCounts counts;
     std::vector<LeafBlock> leaves;
-    std::vector<CellNode> cells;
+    ReduceScratch scratch;
 };
 
 /// Voxelizes and reduces tiles, as many at once as the calling oneTBB arena has threads, and hands

@@ -14,11 +14,24 @@ constexpr std::size_t kFirstSlots = 256;
 
 }  // namespace
 
-std::uint32_t UniqueNodes::append(const std::uint32_t* node, int size, std::size_t slot) {
+std::uint32_t UniqueNodes::append_leaf(std::uint64_t voxels, std::size_t slot) {
+    std::memcpy(words_.room(kLeafWords), &voxels, sizeof voxels);
+    return take_appended(kLeafWords, slot);
+}
+
+std::uint32_t UniqueNodes::append_interior(std::uint32_t child_mask, const ChildIds& children,
+                                           std::size_t slot) {
+    std::uint32_t* words = words_.room(kMaxNodeWords);
+    words[0] = child_mask;
+    std::memcpy(words + 1, children.pair, sizeof children.pair);
+    return take_appended(node_words(child_mask), slot);
+}
+
+std::uint32_t UniqueNodes::take_appended(int size, std::size_t slot) {
     const std::uint64_t id = words_.size();
     if (id + static_cast<unsigned>(size) > kEmpty)
         throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
-    words_.append(node, size);
+    words_.commit(size);
     slots_[slot] = static_cast<std::uint32_t>(id);
     // At most 5/8 full: linear probing then looks at two slots on average.
     if (++count_ * 8 > slots_.size() * 5) grow_table();
@@ -45,16 +58,6 @@ void UniqueNodes::assign(std::span<const std::uint32_t> nodes) {
     }
 }
 
-void UniqueNodes::prefetch_slot(std::uint64_t hash) const {
-    if (!slots_.empty()) __builtin_prefetch(&slots_[home(hash)], 1);
-}
-
-void UniqueNodes::prefetch_node(std::uint64_t hash) const {
-    if (slots_.empty()) return;
-    const std::uint32_t id = slots_[home(hash)];
-    if (id != kEmpty) __builtin_prefetch(words_.data() + id);
-}
-
 void UniqueNodes::clear() {
     words_.clear();
     std::fill(slots_.begin(), slots_.end(), kEmpty);
@@ -66,11 +69,15 @@ void UniqueNodes::grow_table() {
     slots_ = {};  // first, so that the old table and the new one are never held together
     slots_.assign(slot_count, kEmpty);
     for (std::uint64_t id = 0; id < words_.size();) {
-        const std::uint32_t* node = words_.data() + id;
-        std::size_t slot = home(hash(node));
-        while (slots_[slot] != kEmpty) slot = (slot + 1) & (slots_.size() - 1);
+        const std::uint32_t* node = words_.data() + id;  // with slack after the last one
+        const int size = size_of(node);
+        const std::uint64_t h =
+            kind_ == Kind::leaves ? hash_leaf(voxels_of(node))
+                                  : hash_interior(node[0], ChildIds::first_of(node + 1, size - 1));
+        std::size_t slot = home(h);
+        while (slots_[slot] != kEmpty) slot = next(slot);
         slots_[slot] = static_cast<std::uint32_t>(id);
-        id += static_cast<unsigned>(size_of(node));
+        id += static_cast<unsigned>(size);
     }
 }
 

@@ -1,14 +1,51 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
+#include "octavo/construct/huge_pages.h"
 #include "octavo/construct/word_array.h"
 #include "octavo/dag/node.h"
 
 namespace octavo {
+
+/// The ids of up to eight children, two to a word; zero where there is none. Like that nodes are
+/// hashed and compared without a branch on how many children they have.
+struct ChildIds {
+    std::uint64_t pair[4];
+
+    /// The first `count` of eight words.
+    static ChildIds first_of(const std::uint32_t* ids, int count) {
+        ChildIds children;
+        std::memcpy(children.pair, ids, sizeof children.pair);
+        children.keep(count);
+        return children;
+    }
+
+    /// Forgets those after the first `count`.
+    void keep(int count) {
+        for (unsigned i = 0; i < 4; ++i) pair[i] &= kFirst[static_cast<unsigned>(count)][i];
+    }
+
+    friend bool operator==(const ChildIds& a, const ChildIds& b) {
+        return ((a.pair[0] ^ b.pair[0]) | (a.pair[1] ^ b.pair[1]) | (a.pair[2] ^ b.pair[2]) |
+                (a.pair[3] ^ b.pair[3])) == 0;
+    }
+
+private:
+    static constexpr auto kFirst = [] {
+        std::array<std::array<std::uint64_t, 4>, 9> masks{};
+        for (unsigned count = 0; count <= 8; ++count)
+            for (unsigned i = 0; i < count; ++i)
+                masks[count][i / 2] |= std::uint64_t{0xffffffff} << 32 * (i % 2);
+        return masks;
+    }();
+};
 
 /// The different nodes of one level, each stored once, in the order in which they were first asked
 /// for (hash-consing). A node is its words: a leaf's two halves, or a child mask and the ids of the
@@ -23,14 +60,40 @@ public:
 
     /// The id of the node with these words; adds it if it is new.
     /// @throws Error limit where an id would not fit 32 bits
-    std::uint32_t add(const std::uint32_t* node) { return add(node, hash(node)); }
-    std::uint32_t add(const std::uint32_t* node, std::uint64_t hash) {
+    std::uint32_t add(const std::uint32_t* node) {
+        if (kind_ == Kind::leaves) return add_leaf(voxels_of(node));
+        const ChildIds children = children_of(node);
+        return add_interior(node[0], children, hash_interior(node[0], children));
+    }
+
+    /// The same of a leaf, and of an interior node whose children's ids begin at `ids`: eight words
+    /// can be read there, whatever those after the last id hold.
+    std::uint32_t add_leaf(std::uint64_t voxels) { return add_leaf(voxels, hash_leaf(voxels)); }
+    std::uint32_t add_interior(std::uint32_t child_mask, const std::uint32_t* ids) {
+        const ChildIds children =
+            ChildIds::first_of(ids, std::popcount(child_mask & kChildMaskBits));
+        return add_interior(child_mask, children, hash_interior(child_mask, children));
+    }
+
+    /// The same, hashed before.
+    std::uint32_t add_leaf(std::uint64_t voxels, std::uint64_t hash) {
         if (slots_.empty()) grow_table();
-        const int size = size_of(node);
-        for (std::size_t slot = home(hash);; slot = (slot + 1) & (slots_.size() - 1)) {
+        for (std::size_t slot = home(hash);; slot = next(slot)) {
             const std::uint32_t id = slots_[slot];
-            if (id == kEmpty) return append(node, size, slot);
-            if (equal(words_.data() + id, node, size)) return id;
+            if (id == kEmpty) return append_leaf(voxels, slot);
+            if (voxels_of(words_.data() + id) == voxels) return id;
+        }
+    }
+    std::uint32_t add_interior(std::uint32_t child_mask, const ChildIds& children,
+                               std::uint64_t hash) {
+        if (slots_.empty()) grow_table();
+        const int count = std::popcount(child_mask & kChildMaskBits);
+        for (std::size_t slot = home(hash);; slot = next(slot)) {
+            const std::uint32_t id = slots_[slot];
+            if (id == kEmpty) return append_interior(child_mask, children, slot);
+            const std::uint32_t* other = words_.data() + id;  // with slack after the last one
+            if (ChildIds::first_of(other + 1, count) == children && other[0] == child_mask)
+                return id;
         }
     }
 
@@ -44,25 +107,38 @@ public:
     void assign(std::span<const std::uint32_t> nodes);
 
     [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
-        std::uint64_t h = mix(node[0] | std::uint64_t{node[1]} << 32);
-        if (kind_ == Kind::leaves) return h;
-        const int size = node_words(node[0]);
-        for (int i = 2; i < size; i += 2)
-            h = mix(h ^ (node[i] | std::uint64_t{i + 1 < size ? node[i + 1] : 0} << 32));
-        return h;
+        return kind_ == Kind::leaves ? hash_leaf(voxels_of(node))
+                                     : hash_interior(node[0], children_of(node));
+    }
+    static std::uint64_t hash_leaf(std::uint64_t voxels) {
+        return mix(voxels ^ kKeys[0], kKeys[1]);
+    }
+    static std::uint64_t hash_interior(std::uint32_t child_mask, const ChildIds& children) {
+        const std::uint64_t* pair = children.pair;
+        return mix(pair[0] ^ child_mask * kKeys[0], pair[1] ^ kKeys[1]) +
+               std::rotl(mix(pair[2] ^ kKeys[2], pair[3] ^ kKeys[3]), 29);
     }
 
-    /// Starts to fetch what add() looks at first for a node with this hash.
-    void prefetch_slot(std::uint64_t hash) const;
+    /// Starts to fetch what adding looks at first for a node with this hash.
+    void prefetch_slot(std::uint64_t hash) const {
+        if (!slots_.empty()) __builtin_prefetch(&slots_[home(hash)], 1);
+    }
 
     /// Starts to fetch what it looks at next; to be called when the slot has had time to arrive.
-    void prefetch_node(std::uint64_t hash) const;
+    void prefetch_node(std::uint64_t hash) const {
+        if (slots_.empty()) return;
+        const std::uint32_t id = slots_[home(hash)];
+        if (id == kEmpty) return;
+        __builtin_prefetch(words_.data() + id);
+        __builtin_prefetch(words_.data() + id + kMaxNodeWords - 1);  // may be another line
+    }
 
     /// Words that a node takes.
     [[nodiscard]] int size_of(const std::uint32_t* node) const {
         return kind_ == Kind::leaves ? kLeafWords : node_words(node[0]);
     }
 
+    /// After the last one, WordArray::kSlack words more can be read.
     [[nodiscard]] std::span<const std::uint32_t> words() const { return words_.words(); }
     [[nodiscard]] std::uint64_t count() const { return count_; }
 
@@ -91,30 +167,45 @@ public:
 
 private:
     static constexpr std::uint32_t kEmpty = 0xffffffffu;
+    static constexpr std::uint64_t kKeys[4] = {0x9e3779b97f4a7c15u, 0xd6e8feb86659fd93u,
+                                               0xc2b2ae3d27d4eb4fu, 0xff51afd7ed558ccdu};
 
-    // Both halves of a product with an odd constant: every bit of x reaches every bit of the
-    // result, for the price of one multiplication. A node is a few words, looked up billions of
-    // times.
-    static std::uint64_t mix(std::uint64_t x) {
+    // Both halves of a product: every bit of one factor reaches every bit of the result, for the
+    // price of one multiplication. A node is a few words, looked up billions of times.
+    static std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
         __extension__ typedef unsigned __int128 Wide;
-        const Wide product = Wide{x ^ 0x9e3779b97f4a7c15u} * 0xd6e8feb86659fd93u;
+        const Wide product = Wide{a} * b;
         return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
     }
 
-    [[nodiscard]] bool equal(const std::uint32_t* a, const std::uint32_t* b, int size) const {
-        if (a[0] != b[0] || a[1] != b[1]) return false;
-        for (int i = 2; i < size; ++i)
-            if (a[i] != b[i]) return false;
-        return true;
+    static std::uint64_t voxels_of(const std::uint32_t* leaf) {
+        std::uint64_t voxels = 0;
+        std::memcpy(&voxels, leaf, sizeof voxels);
+        return voxels;
+    }
+
+    /// Of a node after which nothing may be read.
+    static ChildIds children_of(const std::uint32_t* node) {
+        std::uint32_t ids[8] = {};
+        const int count = std::popcount(node[0] & kChildMaskBits);
+        std::memcpy(ids, node + 1, static_cast<unsigned>(count) * sizeof(std::uint32_t));
+        return ChildIds::first_of(ids, count);
     }
 
     [[nodiscard]] std::size_t home(std::uint64_t hash) const { return hash & (slots_.size() - 1); }
-    std::uint32_t append(const std::uint32_t* node, int size, std::size_t slot);
+    [[nodiscard]] std::size_t next(std::size_t slot) const {
+        return (slot + 1) & (slots_.size() - 1);
+    }
+    std::uint32_t append_leaf(std::uint64_t voxels, std::size_t slot);
+    std::uint32_t append_interior(std::uint32_t child_mask, const ChildIds& children,
+                                  std::size_t slot);
+    std::uint32_t take_appended(int size, std::size_t slot);
     void grow_table();
 
     Kind kind_;
     WordArray words_;
-    std::vector<std::uint32_t> slots_;  // open addressing, linear probing; ids or kEmpty
+    // Open addressing, linear probing; ids or kEmpty.
+    std::vector<std::uint32_t, HugePageAllocator<std::uint32_t>> slots_;
     std::uint64_t count_ = 0;
 };
 

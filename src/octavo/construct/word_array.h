@@ -13,19 +13,31 @@ namespace octavo {
 /// A growing array of 32-bit words. Unlike std::vector it grows by realloc, which moves large
 /// blocks by remapping pages: growth neither copies nor holds the old and the new array at once,
 /// and the room ahead of the end takes no memory until it is written.
+///
+/// Once it has words, kSlack words after the last one can be read and written, so that short runs
+/// can be copied and compared by a fixed number of words.
 class WordArray {
 public:
+    static constexpr int kSlack = 16;
+
     [[nodiscard]] std::uint64_t size() const { return size_; }
     [[nodiscard]] const std::uint32_t* data() const { return words_.get(); }
     [[nodiscard]] std::uint32_t* data() { return words_.get(); }
     [[nodiscard]] std::span<const std::uint32_t> words() const { return {words_.get(), size_}; }
 
+    /// At most kLeast words.
     void append(const std::uint32_t* words, int count) {
-        if (size_ + static_cast<unsigned>(count) > capacity_) grow();
-        std::memcpy(words_.get() + size_, words,
-                    static_cast<unsigned>(count) * sizeof(std::uint32_t));
-        size_ += static_cast<unsigned>(count);
+        std::memcpy(room(count), words, static_cast<unsigned>(count) * sizeof(std::uint32_t));
+        commit(count);
     }
+
+    /// The end, where `count` words, at most kLeast, and the slack can be written.
+    [[nodiscard]] std::uint32_t* room(int count) {
+        if (size_ + static_cast<unsigned>(count + kSlack) > capacity_) grow();
+        return words_.get() + size_;
+    }
+    /// Of the words written there, this many stay.
+    void commit(int count) { size_ += static_cast<unsigned>(count); }
 
     /// Gives the memory of the words before this index back, as far as whole pages go. They read as
     /// anything afterwards.
@@ -51,7 +63,7 @@ private:
         capacity_ = capacity;
     }
 
-    static constexpr std::uint64_t kLeast = 1024;  // more than any single append
+    static constexpr std::uint64_t kLeast = 1024;
 
     std::unique_ptr<std::uint32_t, Free> words_;
     std::uint64_t size_ = 0;

@@ -19,12 +19,12 @@
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
 #include "octavo/light/gather.h"
+#include "octavo/light/side_starts.h"
 
 namespace octavo {
 namespace {
 
-constexpr int kStarts = 4;   // places of a side's surface that its rays start from
-constexpr int kColumns = 4;  // along each edge of a cell: where these places are looked for
+constexpr int kStarts = SideStarts::kMost;
 constexpr std::uint64_t kBlockCells = 512;  // that are lit together, and change together
 
 /// A side of a cell that can be seen.
@@ -473,72 +473,6 @@ private:
         });
     }
 
-    /// The places on the surface of a cell, seen from a direction, that face open space: rays that
-    /// start there, on the face of a voxel. At most kStarts.
-    static int find_starts(const LitObject& object, const uvec3& at, int direction,
-                           std::uint32_t seed, std::array<shared::GridRay, kStarts>& starts) {
-        const shared::DagView dag = shared::view(object.dag);
-        const int width = 1 << (object.dag.depth() - object.attributes.level());
-        const int axis = direction / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const bool high = (direction & 1) == 1;
-        const ivec3 corner = ivec3(at) * width;
-        const ivec3 before = shared::step_across(direction);
-        int count = 0;
-        if (width == 1) {
-            if (shared::cell_exists(dag, corner + before, 0)) return 0;
-            for (int i = 0; i < kStarts; ++i) {
-                const vec2 square = shared::sample_2d(static_cast<std::uint32_t>(i), seed);
-                shared::GridRay& start = starts[static_cast<std::size_t>(count++)];
-                start.cell = corner;
-                start.cell[axis] += high ? 1 : 0;
-                start.frac[axis] = 0.0f;
-                start.frac[u] = square.x;
-                start.frac[v] = square.y;
-                start.t_min = 0.0f;
-            }
-            return count;
-        }
-        for (int i = 0; i < kColumns * kColumns && count < kStarts; ++i) {
-            // Sobol's points fill the square evenly from the first on.
-            const vec2 square = shared::sample_2d(static_cast<std::uint32_t>(i), seed);
-            dvec3 from = dvec3(corner);
-            from[axis] += high ? width : 0.0;
-            from[u] += static_cast<double>(square.x) * width;
-            from[v] += static_cast<double>(square.y) * width;
-            const vec3 inwards = -vec3(before);
-            const shared::GridRay ray = grid_ray(from, inwards, static_cast<float>(width));
-            const shared::GridHit hit = shared::trace_closest(dag, ray, {0, 0.0f, 0.0f});
-            if (hit.face != direction) continue;
-            if (shared::cell_exists(dag, ivec3(hit.path) + before, 0)) continue;
-            starts[static_cast<std::size_t>(count++)] = shared::leave_hit(ray, hit, -inwards);
-        }
-        return count;
-    }
-
-    static std::uint32_t seed_of(const uvec3& at, int direction, int pass) {
-        return shared::pixel_seed(at.x + (at.y << 16), at.z * 6u + static_cast<unsigned>(direction),
-                                  static_cast<std::uint32_t>(pass));
-    }
-
-    /// The normal of the surface that is seen from a direction; none where there is none.
-    static std::optional<vec3> side_normal(const LitObject& object, const uvec3& at,
-                                           int direction) {
-        std::array<shared::GridRay, kStarts> starts{};
-        if (find_starts(object, at, direction, seed_of(at, direction, 0), starts) == 0)
-            return std::nullopt;
-        // Of the cell as a whole, seen through its face, where that is open; else of its voxels.
-        const shared::DagView dag = shared::view(object.dag);
-        const int height = object.dag.depth() - object.attributes.level();
-        shared::GridHit hit{0.0f, at, height, direction, 0};
-        if (height > 0 &&
-            shared::cell_exists(dag, ivec3(at) + shared::step_across(direction), height)) {
-            const dvec3 inside = origin_of(starts[0]) - 0.5 * dvec3(shared::step_across(direction));
-            hit.path = uvec3(inside);
-            hit.height = 0;
-        }
-        return smooth_normal(dag, starts[0], hit);
-    }
-
     template <class Work>
     void for_blocks(ObjectLight& o, const std::vector<std::uint8_t>& some, const Work& work) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, o.blocks.size(), 1),
@@ -551,32 +485,37 @@ private:
                           });
     }
 
-    /// Calls visit(point, part, seed) for the kStarts points of a side that rays start from.
-    template <class Visit>
-    void for_points(const ObjectLight& o, const Side& side, int pass, const Visit& visit) const {
+    /// Calls begin() for each side of a block, and add(point, part, seed) for the kStarts points
+    /// that its rays start from.
+    template <class Begin, class Add>
+    void for_points(const ObjectLight& o, const Block& block, int pass, const Begin& begin,
+                    const Add& add) const {
         const LitObject& object = scene_.objects[o.object];
-        const uvec3 at = object.attributes.cells().cell(side.cell);
-        std::array<shared::GridRay, kStarts> starts{};
         std::array<LitPoint, kStarts> points{};
-        const int count =
-            find_starts(object, at, side.direction(), seed_of(at, side.direction(), 0), starts);
-        const vec3 normal = side.normal();
-        for (int part = 0; part < kStarts; ++part) {
-            const auto i = static_cast<std::size_t>(part % count);
-            if (part < count)
-                points[i] = world_->point(o.object, starts[i], side.direction(), normal);
-            visit(points[i], part, seed_of(at, side.direction(), pass + 1));
-        }
+        std::size_t i = block.first;
+        const CellRange range{o.sides[i].cell, o.sides[block.end - 1].cell + 1ull};
+        object.attributes.cells().for_each(range, [&](std::uint64_t cell, const uvec3& at) {
+            for (; i < block.end && o.sides[i].cell == cell; ++i) {
+                const Side& side = o.sides[i];
+                const SideStarts starts(object, at, side.direction());
+                const vec3 normal = side.normal();
+                begin();
+                for (int part = 0; part < kStarts; ++part) {
+                    const auto k = static_cast<std::size_t>(part % starts.count);
+                    if (part < starts.count)
+                        points[k] =
+                            world_->point(o.object, starts.rays[k], side.direction(), normal);
+                    add(points[k], part, side_seed(at, side.direction(), pass + 1));
+                }
+            }
+        });
     }
 
     void gather_lamps(ObjectLight& o, const Block& block) {
         LampGatherer gatherer(*world_, options_.lamp_rays, kStarts);
-        for (std::size_t i = block.first; i < block.end; ++i) {
-            gatherer.begin();
-            for_points(o, o.sides[i], 0, [&](const LitPoint& point, int, std::uint32_t seed) {
-                gatherer.add(point, seed);
-            });
-        }
+        for_points(
+            o, block, 0, [&] { gatherer.begin(); },
+            [&](const LitPoint& point, int, std::uint32_t seed) { gatherer.add(point, seed); });
         gatherer.trace();
         for (std::size_t i = block.first; i < block.end; ++i)
             o.from_lamps[i] = gatherer.light(i - block.first);
@@ -590,12 +529,11 @@ private:
                           {options_.lamp_rays, options_.around_rays, options_.source_rays, false},
                           kStarts);
         gatherer.keep_sides();
-        for (std::size_t i = block.first; i < block.end; ++i) {
-            gatherer.begin();
-            for_points(o, o.sides[i], 1, [&](const LitPoint& point, int part, std::uint32_t seed) {
+        for_points(
+            o, block, 1, [&] { gatherer.begin(); },
+            [&](const LitPoint& point, int part, std::uint32_t seed) {
                 gatherer.add(point, part, seed);
             });
-        }
         gatherer.trace();
         auto to = rows.begin();
         for (std::size_t i = block.first; i < block.end; ++i) {

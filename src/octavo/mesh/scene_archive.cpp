@@ -88,6 +88,12 @@ void each(Archive& archive, std::vector<T>& values) {
     archive.bytes(values.data(), values.size() * sizeof(T));
 }
 
+template <class Archive, class First, class... Rest>
+requires(sizeof...(Rest) > 0) void each(Archive& archive, First& first, Rest&... rest) {
+    each(archive, first);
+    (each(archive, rest), ...);
+}
+
 template <class Archive, class Enum>
 void each_enum(Archive& archive, Enum& value, Enum last) {
     auto number = static_cast<std::uint8_t>(value);
@@ -98,20 +104,15 @@ void each_enum(Archive& archive, Enum& value, Enum last) {
 
 template <class Archive>
 void each(Archive& archive, Texture& texture) {
-    each(archive, texture.name);
-    each(archive, texture.file);
-    each(archive, texture.encoded);
+    each(archive, texture.name, texture.file, texture.encoded);
     each_enum(archive, texture.wrap_u, Texture::Wrap::mirror);
     each_enum(archive, texture.wrap_v, Texture::Wrap::mirror);
 }
 
 template <class Archive>
 void each(Archive& archive, Material& material) {
-    each(archive, material.name);
-    each(archive, material.base_color);
-    each(archive, material.base_color_texture);
-    each(archive, material.emission);
-    each(archive, material.emission_texture);
+    each(archive, material.name, material.base_color, material.base_color_texture,
+         material.emission, material.emission_texture);
     float cutoff = material.alpha_cutoff.value_or(-1.0f);
     each(archive, cutoff);
     material.alpha_cutoff = cutoff >= 0.0f ? std::optional(cutoff) : std::nullopt;
@@ -119,26 +120,15 @@ void each(Archive& archive, Material& material) {
 
 template <class Archive>
 void each(Archive& archive, Camera& camera) {
-    each(archive, camera.name);
-    each(archive, camera.eye);
-    each(archive, camera.forward);
-    each(archive, camera.up);
-    each(archive, camera.vertical_fov);
+    each(archive, camera.name, camera.eye, camera.forward, camera.up, camera.vertical_fov);
 }
 
 template <class Archive>
 void each(Archive& archive, Light& light) {
     each(archive, light.name);
     each_enum(archive, light.kind, Light::Kind::mesh);
-    each(archive, light.position);
-    each(archive, light.direction);
-    each(archive, light.intensity);
-    each(archive, light.inner_angle);
-    each(archive, light.outer_angle);
-    each(archive, light.size);
-    each(archive, light.half_u);
-    each(archive, light.half_v);
-    each(archive, light.triangles);
+    each(archive, light.position, light.direction, light.intensity, light.inner_angle,
+         light.outer_angle, light.size, light.half_u, light.half_v, light.triangles);
 }
 
 template <class Archive, class T>
@@ -149,16 +139,9 @@ requires(!std::is_trivially_copyable_v<T>) void each(Archive& archive, std::vect
 
 template <class Archive>
 void each(Archive& archive, Scene& scene) {
-    each(archive, scene.positions);
-    each(archive, scene.triangles);
-    each(archive, scene.texture_coordinates);
-    each(archive, scene.colors);
-    each(archive, scene.triangle_materials);
-    each(archive, scene.materials);
-    each(archive, scene.textures);
-    each(archive, scene.cameras);
-    each(archive, scene.lights);
-    each(archive, scene.warnings);
+    each(archive, scene.positions, scene.triangles, scene.texture_coordinates, scene.colors,
+         scene.triangle_materials, scene.materials, scene.textures, scene.cameras, scene.lights,
+         scene.warnings);
 }
 
 }  // namespace

@@ -32,12 +32,13 @@ OCTAVO_FN uint mirror_children(uint children, ivec3 down) {
     return children;
 }
 
-// The least over the bundle of the time when a ray may first be in a cell where it would stop;
-// t_max if there is none. A bundle with directions of both signs on an axis gets no help: t_min.
-OCTAVO_FN float beam_start(DagView dag, Bundle beam, Stop stop) {
+// The least over the bundle of the time when a ray may first be in a cell where it would stop; or
+// the greatest of the time when one may last be.
+OCTAVO_FN float beam_bound(DagView dag, Bundle beam, Stop stop, bool last) {
     if (any(notEqual(lessThan(beam.dir_low, vec3(0.0f)), lessThan(beam.dir_high, vec3(0.0f)))))
-        return beam.t_min;
-    if (dag.depth == 0) return beam.t_max;
+        return last ? beam.t_max : beam.t_min;
+    float best = last ? beam.t_min : beam.t_max;
+    if (dag.depth == 0) return best;
     UpwardRay slow = mirror_ray(beam.cell, beam.frac, beam.dir_low, dag.depth);
     UpwardRay fast = mirror_ray(beam.cell, beam.frac, beam.dir_high, dag.depth);
 
@@ -48,65 +49,6 @@ OCTAVO_FN float beam_start(DagView dag, Bundle beam, Stop stop) {
     ivec3 corner = ivec3(0);
     int height = dag.depth;
     int child = 0;
-    float best = beam.t_max;
-    while (true) {
-        vec3 low_slow = plane_time(slow, corner);
-        vec3 low_fast = plane_time(fast, corner);
-        ivec3 far_corner = corner + (1 << height);
-        float enter = max(beam.t_min, max3(min(low_slow, low_fast)));
-        float leave = min3(max(plane_time(slow, far_corner), plane_time(fast, far_corner)));
-        float latest_entry = max3(max(low_slow, low_fast));
-
-        uint children = 0u;
-        if (enter < min(leave, best)) {
-            if (may_stop(stop, height, latest_entry) || float(1 << height) < enter * beam.spread) {
-                best = enter;
-            } else if (height > 2) {
-                children = dag_load(dag, node) & 255u;
-                nodes[height] = node;
-            } else if (height == 2) {
-                leaf = uvec2(dag_load(dag, node), dag_load(dag, node + 1u));
-                children = leaf_children(leaf);
-            } else {
-                children = leaf_voxels(leaf, child);
-            }
-            children = mirror_children(children, slow.down);
-        }
-        while (children == 0u) {
-            height += 1;
-            if (height > dag.depth) return best;
-            children = to_visit[height];
-        }
-        // Near children first: a mirrored child comes after those that lie before it on all axes.
-        int mirrored = lowest_bit(children);
-        to_visit[height] = children & (children - 1u);
-        ivec3 offset = ivec3(mirrored & 1, (mirrored >> 1) & 1, mirrored >> 2);
-        child = child_number(offset ^ slow.down);
-        if (height > 2) node = load_child(dag, nodes[height], 1u << child);
-        corner &= -(1 << height);
-        height -= 1;
-        corner += offset << height;
-    }
-}
-
-// The greatest over the bundle of the time when a ray may last be in a cell where it would stop;
-// t_min if there is none. The reverse of beam_start(), for rays to a lamp: beyond it nothing needs
-// to be looked for. A bundle with directions of both signs on an axis gets no help: t_max.
-OCTAVO_FN float beam_end(DagView dag, Bundle beam, Stop stop) {
-    if (any(notEqual(lessThan(beam.dir_low, vec3(0.0f)), lessThan(beam.dir_high, vec3(0.0f)))))
-        return beam.t_max;
-    if (dag.depth == 0) return beam.t_min;
-    UpwardRay slow = mirror_ray(beam.cell, beam.frac, beam.dir_low, dag.depth);
-    UpwardRay fast = mirror_ray(beam.cell, beam.frac, beam.dir_high, dag.depth);
-
-    uint nodes[kPathCells];
-    uint to_visit[kPathCells];
-    uvec2 leaf = uvec2(0u);
-    uint node = 0u;
-    ivec3 corner = ivec3(0);
-    int height = dag.depth;
-    int child = 0;
-    float best = beam.t_min;
     while (true) {
         vec3 low_slow = plane_time(slow, corner);
         vec3 low_fast = plane_time(fast, corner);
@@ -116,10 +58,11 @@ OCTAVO_FN float beam_end(DagView dag, Bundle beam, Stop stop) {
         leave = min(leave, beam.t_max);
         float latest_entry = max3(max(low_slow, low_fast));
 
+        // Only what can better the answer is looked into.
         uint children = 0u;
-        if (max(enter, best) < leave) {
+        if (last ? max(enter, best) < leave : enter < min(leave, best)) {
             if (may_stop(stop, height, latest_entry) || float(1 << height) < enter * beam.spread) {
-                best = leave;
+                best = last ? leave : enter;
             } else if (height > 2) {
                 children = dag_load(dag, node) & 255u;
                 nodes[height] = node;
@@ -136,8 +79,8 @@ OCTAVO_FN float beam_end(DagView dag, Bundle beam, Stop stop) {
             if (height > dag.depth) return best;
             children = to_visit[height];
         }
-        // Far children first.
-        int mirrored = highest_bit(children);
+        // A mirrored child comes after those that lie before it on all axes.
+        int mirrored = last ? highest_bit(children) : lowest_bit(children);
         to_visit[height] = children ^ (1u << mirrored);
         ivec3 offset = ivec3(mirrored & 1, (mirrored >> 1) & 1, mirrored >> 2);
         child = child_number(offset ^ slow.down);
@@ -146,6 +89,18 @@ OCTAVO_FN float beam_end(DagView dag, Bundle beam, Stop stop) {
         height -= 1;
         corner += offset << height;
     }
+}
+
+// When a ray of the bundle may first be in a cell where it would stop; t_max if never. A bundle
+// with directions of both signs on an axis gets no help: t_min.
+OCTAVO_FN float beam_start(DagView dag, Bundle beam, Stop stop) {
+    return beam_bound(dag, beam, stop, false);
+}
+
+// When one may last be in such a cell; t_min if never. For rays to a lamp: nothing beyond needs to
+// be looked for. A bundle with directions of both signs on an axis gets no help: t_max.
+OCTAVO_FN float beam_end(DagView dag, Bundle beam, Stop stop) {
+    return beam_bound(dag, beam, stop, true);
 }
 
 OCTAVO_SHARED_END

@@ -37,16 +37,32 @@ inline constexpr auto kSlabs = [] {
     return table;
 }();
 
+// Position of axis a's two bits in a Morton code: a and a + 3.
+constexpr std::uint64_t axis_bits(int axis) {
+    return std::uint64_t{9} << axis;
+}
+
+// [projection]: where the four bits of a square's number stand in a cell's Morton code. The number
+// is Morton order too, of the two axes that the projection looks at.
+inline constexpr std::array<std::uint64_t, 3> kSquareBits = {
+    axis_bits(0) | axis_bits(1), axis_bits(1) | axis_bits(2), axis_bits(2) | axis_bits(0)};
+
+constexpr std::uint32_t square_of(int projection, std::uint32_t code) {
+    std::uint32_t square = 0;
+    int next = 0;
+    for (int bit = 0; bit < 6; ++bit)
+        if (kSquareBits[static_cast<unsigned>(projection)] >> bit & 1)
+            square |= (code >> bit & 1u) << next++;
+    return square;
+}
+
 // [projection][half][byte]: the cells above or below the squares of one byte
 inline constexpr auto kColumns = [] {
     std::array<std::array<std::array<std::uint64_t, 256>, 2>, 3> table{};
     for (int p = 0; p < 3; ++p) {
         std::array<std::uint64_t, 16> column{};
-        for (std::uint32_t square = 0; square < 16; ++square)
-            column[square] = cells_where([&](const uvec3& cell) {
-                return component(cell, p) == (square & 3) &&
-                       component(cell, (p + 1) % 3) == square >> 2;
-            });
+        for (std::uint32_t code = 0; code < 64; ++code)
+            column[square_of(p, code)] |= std::uint64_t{1} << code;
         for (int half = 0; half < 2; ++half)
             for (int byte = 0; byte < 256; ++byte)
                 for (int bit = 0; bit < 8; ++bit)
@@ -67,10 +83,6 @@ inline constexpr auto kCellOfCode = [] {
 namespace detail {
 
 // As HWY_ALIGN would: for the widest vectors.
-struct alignas(64) CellLanes {
-    std::int32_t lanes[64];
-    constexpr operator const std::int32_t*() const { return lanes; }
-};
 struct alignas(64) SquareLanes {
     std::int32_t lanes[16];
     constexpr operator const std::int32_t*() const { return lanes; }
@@ -78,23 +90,17 @@ struct alignas(64) SquareLanes {
 
 }  // namespace detail
 
-/// x, y and z of the cells of a window, in Morton order.
-inline constexpr auto kCellCoordinates = [] {
-    std::array<detail::CellLanes, 3> table{};
-    for (unsigned code = 0; code < 64; ++code)
-        for (int axis = 0; axis < 3; ++axis)
-            table[static_cast<unsigned>(axis)].lanes[code] =
-                static_cast<std::int32_t>(detail::component(morton_decode(code), axis));
-    return table;
-}();
-
-/// u and v of the squares u + 4v of a projection.
+/// [projection][0 or 1]: u and v of the squares of a projection, by their number.
 inline constexpr auto kSquareCoordinates = [] {
-    std::array<detail::SquareLanes, 2> table{};
-    for (int square = 0; square < 16; ++square) {
-        table[0].lanes[square] = square & 3;
-        table[1].lanes[square] = square >> 2;
-    }
+    std::array<std::array<detail::SquareLanes, 2>, 3> table{};
+    for (int p = 0; p < 3; ++p)
+        for (std::uint32_t code = 0; code < 64; ++code) {
+            const std::uint32_t square = detail::square_of(p, code);
+            for (int along = 0; along < 2; ++along)
+                table[static_cast<unsigned>(p)][static_cast<unsigned>(along)].lanes[square] =
+                    static_cast<std::int32_t>(
+                        detail::component(morton_decode(code), (p + along) % 3));
+        }
     return table;
 }();
 
@@ -103,8 +109,14 @@ inline constexpr auto kSquareCoordinates = [] {
     return detail::kSlabs[static_cast<unsigned>(axis)][static_cast<unsigned>(first * 5 + last + 1)];
 }
 
+/// The 4x4 cells with this coordinate on an axis.
+[[nodiscard]] constexpr std::uint64_t cells_of_layer(int axis, std::uint32_t coordinate) {
+    return detail::cells_where(
+        [&](const uvec3& cell) { return detail::component(cell, axis) == coordinate; });
+}
+
 /// The cells whose shadow in a projection is one of these squares. Projection p looks at axes u = p
-/// and v = p + 1 (cyclic); bit u + 4v of `squares` is a square.
+/// and v = p + 1 (cyclic); the bits of `squares` are in the Morton order of these axes.
 [[nodiscard]] inline std::uint64_t cells_over_squares(int p, std::uint32_t squares) {
     const auto& table = detail::kColumns[static_cast<unsigned>(p)];
     return table[0][squares & 255u] | table[1][squares >> 8 & 255u];

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 
@@ -28,12 +29,43 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 __extension__ typedef __int128 Int128;
 
+/// Lane i of a mask is bit i.
+template <class D>
+HWY_INLINE std::uint64_t bits_of(D d, hn::Mask<D> mask) {
+#if HWY_TARGET <= HWY_AVX3  // a mask is a number there
+    (void)d;
+    return static_cast<std::uint64_t>(mask.raw);
+#else
+    std::uint64_t bits = 0;
+    hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
+    return bits;
+#endif
+}
+
 /// Bit i is set where lane i is negative.
 template <class D>
 HWY_INLINE std::uint64_t negative(D d, hn::Vec<D> v) {
-    std::uint64_t bits = 0;
-    hn::StoreMaskBits(d, hn::Lt(v, hn::Zero(d)), reinterpret_cast<std::uint8_t*>(&bits));
-    return bits;
+#if HWY_TARGET <= HWY_AVX3  // takes the sign bits
+    return bits_of(d, hn::MaskFromVec(v));
+#else
+    return bits_of(d, hn::Lt(v, hn::Zero(d)));
+#endif
+}
+
+/// cells_over_squares(), where a multiplication is faster than a table that crowds the cache.
+template <int kProjection>
+HWY_INLINE std::uint64_t columns_over(std::uint32_t squares) {
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2  // has BMI2
+    // The squares as cells of the first layer along the third axis, and that four times: a step
+    // along axis w adds 2^w or 2^(w + 3) to a cell's number.
+    constexpr int w = (kProjection + 2) % 3;
+    constexpr std::uint64_t kFirstLayer = cells_of_layer(w, 0);
+    constexpr std::uint64_t kLayers =
+        ((std::uint64_t{1} << (1 << w)) + 1) * ((std::uint64_t{1} << (8 << w)) + 1);
+    return _pdep_u64(squares, kFirstLayer) * kLayers;
+#else
+    return cells_over_squares(kProjection, squares);
+#endif
 }
 
 /// Tests one triangle against 4x4x4 cells at a time.
@@ -44,18 +76,23 @@ HWY_INLINE std::uint64_t negative(D d, hn::Vec<D> v) {
 /// step >= 0: so the wide part is done once for a window and the lanes need few bits, without
 /// rounding anywhere.
 class TriangleCells {
-    static constexpr int kEdges = 9;       // 3 projections x 3 edges
-    static constexpr int kEdgeLanes = 16;  // a whole number of vectors
+    // 3 projections x 4 lanes, of which 3 are edges, and a whole number of vectors.
+    static constexpr int kEdgeLanes = 16;
 
     // A window of cells against the plane: a cell passes when 0 <= value + step(cell) <= last.
     struct PlaneValue {
         std::int64_t value, last;
     };
 
-    // A window of cells against the edges: a cell passes when value + step(cell) >= 0 for each
-    // edge.
+    // A window of cells against the edges: a cell passes when lane + step(cell) >= 0 for each edge.
     struct EdgeValues {
-        HWY_ALIGN std::int32_t value[kEdgeLanes];
+        HWY_ALIGN std::int32_t lane[kEdgeLanes];
+    };
+
+    // 64 bits for each edge, even lanes and odd ones apart, as products come.
+    struct WideEdges {
+        HWY_ALIGN std::int64_t even[kEdgeLanes / 2];
+        HWY_ALIGN std::int64_t odd[kEdgeLanes / 2];
     };
 
 public:
@@ -76,7 +113,7 @@ public:
     HWY_INLINE std::uint64_t voxels(const ivec3& corner) const {
         const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
         EdgeValues edges;
-        edge_values(corner, voxel_shift_, voxel_edge_offset_, edges);
+        edge_values(corner, voxel_shift_, voxel_edge_offset(), edges);
         return in_bounds(corner, voxel_shift_) & on_plane(plane) & in_projections(edges);
     }
 
@@ -106,7 +143,7 @@ public:
             : triangle_(triangle),
               corner_(corner),
               plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)) {
-            triangle.edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset_,
+            triangle.edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset(),
                                  edges_);
         }
 
@@ -122,9 +159,9 @@ public:
                 const auto along_x = hn::Mul(hn::Load(kInt32, t.edge_axes_[0] + e), x);
                 const auto along_y = hn::Mul(hn::Load(kInt32, t.edge_axes_[1] + e), y);
                 const auto along_z = hn::Mul(hn::Load(kInt32, t.edge_axes_[2] + e), z);
-                const auto here = hn::Load(kInt32, edges_.value + e);
+                const auto here = hn::Load(kInt32, edges_.lane + e);
                 hn::Store(hn::Add(hn::Add(here, along_x), hn::Add(along_y, along_z)), kInt32,
-                          edges.value + e);
+                          edges.lane + e);
             }
             return t.in_bounds(corner_ + (block << (t.voxel_shift_ + 2)), t.voxel_shift_) &
                    voxels_of_plane(code) & t.in_projections(edges);
@@ -144,30 +181,62 @@ public:
         EdgeValues edges_;
     };
 
+    /// Calls visit(block, voxels) for every block of a small range that has voxels, x fastest: each
+    /// projection is looked at once for a whole column of blocks.
+    /// @param corner  of the first block
+    /// @param count   of blocks along each axis, 1 to 4
+    template <class Visit>
+    HWY_INLINE void for_each_block(const ivec3& corner, const ivec3& count,
+                                   const Visit& visit) const {
+        EdgeValues edges;
+        edge_values(corner, voxel_shift_, voxel_edge_offset(), edges);
+        const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
+
+        std::uint64_t columns[3][16];
+        const ivec3 first = (bounds_low_ - corner) >> voxel_shift_;
+        const ivec3 last = (bounds_high_ - corner) >> voxel_shift_;
+        columns_of<0>(edges, count, first, last, columns[0]);
+        columns_of<1>(edges, count, first, last, columns[1]);
+        columns_of<2>(edges, count, first, last, columns[2]);
+
+        ivec3 block;
+        for (block.z = 0; block.z < count.z; ++block.z)
+            for (block.y = 0; block.y < count.y; ++block.y) {
+                const std::int64_t row =
+                    plane.value + 4 * (normal_[1] * block.y + normal_[2] * block.z);
+                for (block.x = 0; block.x < count.x; ++block.x) {
+                    const std::uint64_t met = columns[0][block.x + 4 * block.y] &
+                                              columns[1][block.y + 4 * block.z] &
+                                              columns[2][block.z + 4 * block.x];
+                    if (met == 0) continue;
+                    const std::uint64_t voxels =
+                        met & on_plane({row + 4 * normal_[0] * block.x, plane.last});
+                    if (voxels != 0) visit(block, voxels);
+                }
+            }
+    }
+
 private:
     static constexpr hn::CappedTag<std::int32_t, 16> kInt32{};
     static constexpr hn::CappedTag<std::int64_t, 8> kInt64{};
+    static constexpr hn::CappedTag<std::uint16_t, 32> kUint16{};
     static constexpr int kLanes32 = static_cast<int>(hn::MaxLanes(kInt32));
     static constexpr int kLanes64 = static_cast<int>(hn::MaxLanes(kInt64));
-
-    static HWY_INLINE hn::Vec<decltype(kInt32)> load(const std::int32_t* lanes) {
-        return hn::Load(kInt32, lanes);
-    }
-
-    /// Lanes i.. of  a x + b y + c.
-    static HWY_INLINE hn::Vec<decltype(kInt32)> linear(int i, std::int32_t a, const std::int32_t* x,
-                                                       std::int32_t b, const std::int32_t* y,
-                                                       hn::Vec<decltype(kInt32)> c) {
-        return hn::Add(hn::Add(hn::Mul(hn::Set(kInt32, a), load(x + i)),
-                               hn::Mul(hn::Set(kInt32, b), load(y + i))),
-                       c);
-    }
+    static constexpr int kLanes16 = static_cast<int>(hn::MaxLanes(kUint16));
 
     // The plane passes a cell when 0 <= low + n . (corner - vertex) <= range.
     struct PlaneTest {
         std::int64_t low;    // in 2^(shift - 1), so that half a voxel is whole
         std::int64_t range;  // in 2^shift
     };
+
+    void set_plane();
+    void set_edges(const std::array<FixedPoint, 3>& corners, const int sign[3]);
+    void set_thin_offsets();
+
+    [[nodiscard]] HWY_INLINE const WideEdges& voxel_edge_offset() const {
+        return thin_ ? thin_edge_offset_ : edge_offset_;
+    }
 
     HWY_INLINE std::uint64_t in_bounds(const ivec3& corner, int shift) const {
         std::uint64_t mask = ~std::uint64_t{0};
@@ -204,42 +273,31 @@ private:
     }
 
     /// The cells of a window whose value and step are on the plane. Normals have up to 51 bits; the
-    /// 26 highest decide nearly always, and where they do not all bits are asked.
+    /// 13 highest decide nearly always, and where they do not all bits are asked.
     HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane) const {
-        constexpr std::int64_t kFar = 1 << 30;
-        const auto high =
-            static_cast<std::int32_t>(std::clamp(plane.value >> plane_low_bits_, -kFar, kFar));
-        const auto high_last = static_cast<std::int32_t>(plane.last >> plane_low_bits_);
-        const auto v = hn::Set(kInt32, high);
-        const auto r = hn::Set(kInt32, high_last);
-        if (plane_low_bits_ == 0) {
-            std::uint64_t off = 0;
-            for (int i = 0; i < 64; i += kLanes32) {
-                const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
-                off |= negative(kInt32, hn::Or(w, hn::Sub(r, w))) << i;
-            }
-            return ~off;
+        const std::int64_t value =
+            std::clamp(plane.value >> plane_low_bits_, plane_least_, plane_most_);
+        const std::int64_t last = plane.last >> plane_low_bits_;
+        const auto v = hn::Set(kUint16, static_cast<std::uint16_t>(value));
+        const auto slack = hn::Set(kUint16, plane_slack_low_);
+        const auto surely = hn::Set(kUint16, static_cast<std::uint16_t>(last - plane_slack_high_));
+        const auto maybe = hn::Set(kUint16, static_cast<std::uint16_t>(last + plane_slack_low_));
+        std::uint64_t on = 0, maybe_on = 0;
+        for (int i = 0; i < 64; i += kLanes16) {
+            // A number below 0 is a large one here, so that one comparison asks for both ends.
+            const auto w = hn::Add(hn::Load(kUint16, plane_steps_ + i), v);
+            const auto w_and_slack = hn::Add(w, slack);
+            on |= bits_of(kUint16, hn::Eq(hn::Min(w, surely), w)) << i;
+            maybe_on |= bits_of(kUint16, hn::Eq(hn::Min(w_and_slack, maybe), w_and_slack)) << i;
         }
-        // What was cut off the value and its up to 9 steps adds less than 10.
-        const auto slack = hn::Set(kInt32, 9);
-        const auto sure_last = hn::Set(kInt32, high_last - 10);
-        std::uint64_t off = 0, maybe_off = 0;
-        for (int i = 0; i < 64; i += kLanes32) {
-            const auto w = hn::Add(hn::Load(kInt32, plane_steps_ + i), v);
-            off |= negative(kInt32, hn::Or(hn::Add(w, slack), hn::Sub(r, w))) << i;
-            maybe_off |= negative(kInt32, hn::Or(w, hn::Sub(sure_last, w))) << i;
-        }
-        return HWY_LIKELY(off == maybe_off) ? ~off : on_plane_exactly(plane);
+        return HWY_LIKELY(on == maybe_on) ? on : on_plane_exactly(plane);
     }
 
     HWY_NOINLINE std::uint64_t on_plane_exactly(const PlaneValue& plane) const {
         const auto r = hn::Set(kInt64, plane.last);
         std::uint64_t off = 0;
         for (int eighth = 0; eighth < 8; ++eighth) {  // (x1, y1, z1) of the Morton code
-            const std::int64_t step =
-                2 * ((eighth & 1) * normal_[0] + (eighth >> 1 & 1) * normal_[1] +
-                     (eighth >> 2) * normal_[2]);
-            const auto v = hn::Set(kInt64, plane.value + step);
+            const auto v = hn::Set(kInt64, plane.value + 2 * exact_plane_steps_[eighth]);
             for (int i = 0; i < 8; i += kLanes64) {
                 const auto w = hn::Add(hn::Load(kInt64, exact_plane_steps_ + i), v);
                 off |= negative(kInt64, hn::Or(w, hn::Sub(r, w))) << (8 * eighth + i);
@@ -248,67 +306,117 @@ private:
         return ~off;
     }
 
-    HWY_INLINE void edge_values(const ivec3& corner, int shift, const std::int64_t* offset,
+    HWY_INLINE void edge_values(const ivec3& corner, int shift, const WideEdges& offset,
                                 EdgeValues& out) const {
-        for (int p = 0; p < 3; ++p) {
-            const std::int64_t u = corner[p], v = corner[p == 2 ? 0 : p + 1];
-            for (int e = 3 * p; e < 3 * p + 3; ++e) {
-                const std::int64_t wide = (edge_u_[e] * u + edge_v_[e] * v + offset[e]) >> shift;
-                // Over 16 cells a value changes by less than this: beyond it the sign is decided.
-                // As an edge is shorter than 2^25 units, twice the bound fits.
-                const std::int64_t far = 16 * std::int64_t{edge_reach_[e]} + 1;
-                out.value[e] = static_cast<std::int32_t>(std::max(std::min(wide, far), -far));
-            }
+        // Over 16 cells a value changes by less than 2^30, as an edge is shorter than 2^25 units:
+        // beyond that the sign is decided.
+        const auto far = hn::Set(kInt64, std::int64_t{1} << 30);
+        const auto near = hn::Set(kInt64, -(std::int64_t{1} << 30));
+        const auto low_half = hn::Set(kInt64, std::int64_t{0xffffffff});
+        const auto x = hn::Set(kInt32, corner.x);
+        const auto y = hn::Set(kInt32, corner.y);
+        const auto z = hn::Set(kInt32, corner.z);
+        const auto odd = [](auto v) {
+            return hn::BitCast(kInt32, hn::ShiftRight<32>(hn::BitCast(kInt64, v)));
+        };
+        for (int e = 0; e < kEdgeLanes; e += kLanes32) {
+            const auto along_x = hn::Load(kInt32, edge_axes_[0] + e);
+            const auto along_y = hn::Load(kInt32, edge_axes_[1] + e);
+            const auto along_z = hn::Load(kInt32, edge_axes_[2] + e);
+            const auto value = [&](auto ax, auto ay, auto az, const std::int64_t* constant) {
+                const auto wide =
+                    hn::Add(hn::Add(hn::MulEven(ax, x), hn::MulEven(ay, y)),
+                            hn::Add(hn::MulEven(az, z), hn::Load(kInt64, constant + e / 2)));
+                return hn::Max(hn::Min(hn::ShiftRightSame(wide, shift), far), near);
+            };
+            const auto even_values = value(along_x, along_y, along_z, offset.even);
+            const auto odd_values = value(odd(along_x), odd(along_y), odd(along_z), offset.odd);
+            const auto both = hn::Or(hn::And(even_values, low_half), hn::ShiftLeft<32>(odd_values));
+            hn::Store(hn::BitCast(kInt32, both), kInt32, out.lane + e);
         }
-        for (int e = kEdges; e < kEdgeLanes; ++e) out.value[e] = 0;
     }
 
-    /// The squares u + 4v of a projection for which all three edge tests, less `reach`, hold.
-    HWY_INLINE std::uint32_t squares(int p, const EdgeValues& values,
-                                     const std::int32_t* reach) const {
-        const int e = 3 * p;
-        const auto v0 = hn::Set(kInt32, values.value[e] - reach[0]);
-        const auto v1 = hn::Set(kInt32, values.value[e + 1] - reach[1]);
-        const auto v2 = hn::Set(kInt32, values.value[e + 2] - reach[2]);
+    /// The squares of a projection for which all three edge tests hold.
+    template <int kProjection>
+    HWY_INLINE std::uint32_t squares(std::int32_t value0, std::int32_t value1,
+                                     std::int32_t value2) const {
+        constexpr int e = 4 * kProjection;
+        const auto v0 = hn::Set(kInt32, value0);
+        const auto v1 = hn::Set(kInt32, value1);
+        const auto v2 = hn::Set(kInt32, value2);
         std::uint64_t outside = 0;
         for (int i = 0; i < 16; i += kLanes32) {
             const auto w0 = hn::Add(hn::Load(kInt32, edge_steps_[e] + i), v0);
             const auto w1 = hn::Add(hn::Load(kInt32, edge_steps_[e + 1] + i), v1);
             const auto w2 = hn::Add(hn::Load(kInt32, edge_steps_[e + 2] + i), v2);
-            outside |= negative(kInt32, hn::Or(w0, hn::Or(w1, w2))) << i;
+            outside |= negative(kInt32, hn::Or3(w0, w1, w2)) << i;
         }
         return static_cast<std::uint32_t>(~outside) & 0xffffu;
     }
 
-    HWY_INLINE std::uint64_t in_projections(const EdgeValues& values) const {
-        static constexpr std::int32_t kNoReach[3] = {};
-        return cells_over_squares(0, squares(0, values, kNoReach)) &
-               cells_over_squares(1, squares(1, values, kNoReach)) &
-               cells_over_squares(2, squares(2, values, kNoReach));
+    template <int kProjection>
+    HWY_INLINE std::uint64_t in_projection(const EdgeValues& edges) const {
+        const std::int32_t* lane = edges.lane + 4 * kProjection;
+        return columns_over<kProjection>(squares<kProjection>(lane[0], lane[1], lane[2]));
     }
 
-    HWY_INLINE std::uint64_t inside_main_projection(const EdgeValues& values) const {
-        const int p = main_projection_;
-        return cells_over_squares(p, squares(p, values, edge_reach_ + 3 * p));
+    HWY_INLINE std::uint64_t in_projections(const EdgeValues& edges) const {
+        return in_projection<0>(edges) & in_projection<1>(edges) & in_projection<2>(edges);
     }
 
-    // Steps of each edge test over the squares u + 4v of its projection, from the square's best
-    // corner.
-    HWY_ALIGN std::int32_t edge_steps_[kEdges][16];
-    HWY_ALIGN std::int32_t plane_steps_[64];           // in Morton order, without plane_low_bits_
+    template <int kProjection>
+    HWY_INLINE std::uint64_t inside_projection(const EdgeValues& edges) const {
+        const std::int32_t* lane = edges.lane + 4 * kProjection;
+        const std::int32_t* reach = edge_reach_ + 4 * kProjection;
+        return columns_over<kProjection>(
+            squares<kProjection>(lane[0] - reach[0], lane[1] - reach[1], lane[2] - reach[2]));
+    }
+
+    HWY_INLINE std::uint64_t inside_main_projection(const EdgeValues& edges) const {
+        return main_projection_ == 0   ? inside_projection<0>(edges)
+               : main_projection_ == 1 ? inside_projection<1>(edges)
+                                       : inside_projection<2>(edges);
+    }
+
+    /// For the columns of blocks (i, j) along a projection: their voxels that the projection
+    /// passes and that are within the bounds along u, at [i + 4j].
+    template <int kProjection>
+    HWY_INLINE void columns_of(const EdgeValues& edges, const ivec3& count, const ivec3& first,
+                               const ivec3& last, std::uint64_t* columns) const {
+        constexpr int u = kProjection, v = (kProjection + 1) % 3, e = 4 * kProjection;
+        const std::int32_t* step_u = edge_axes_[u] + e;
+        const std::int32_t* step_v = edge_axes_[v] + e;
+        for (int i = 0; i < count[u]; ++i) {
+            const std::uint64_t slab = cells_from_to(u, std::clamp(first[u] - 4 * i, 0, 4),
+                                                     std::clamp(last[u] - 4 * i, -1, 3));
+            std::int32_t value[3];
+            for (int k = 0; k < 3; ++k) value[k] = edges.lane[e + k] + 4 * i * step_u[k];
+            for (int j = 0; j < count[v]; ++j) {
+                columns[i + 4 * j] = slab & columns_over<kProjection>(
+                                                squares<kProjection>(value[0], value[1], value[2]));
+                for (int k = 0; k < 3; ++k) value[k] += 4 * step_v[k];
+            }
+        }
+    }
+
+    // Steps of each edge test over the squares of its projection, from the square's best corner.
+    HWY_ALIGN std::int32_t edge_steps_[12][16];
+    HWY_ALIGN std::uint16_t plane_steps_[64];          // in Morton order, without plane_low_bits_
     HWY_ALIGN std::int64_t exact_plane_steps_[8];      // of the first 2x2x2 cells, all bits
     HWY_ALIGN std::int32_t edge_axes_[3][kEdgeLanes];  // the edges' inward normals along x, y and z
-    std::int64_t edge_u_[kEdges], edge_v_[kEdges];     // the same along their projection's u and v
-    std::int64_t edge_offset_[kEdges];
-    std::int64_t voxel_edge_offset_[kEdges];
-    std::int32_t edge_reach_[kEdges];  // |u| + |v|: across a cell
+    HWY_ALIGN std::int32_t edge_reach_[12];            // across a cell
+    HWY_ALIGN std::int32_t edge_best_[12];             // to a cell's best corner
+    WideEdges edge_offset_, thin_edge_offset_;
     std::int64_t normal_[3];
     PlaneTest cell_plane_, voxel_plane_;
     ivec3 vertex_, bounds_low_, bounds_high_;
     bool short_plane_;  // 64 bits hold the plane's value wherever a window can lie
+    bool has_area_, thin_;
+    std::uint16_t plane_slack_low_;  // as much may have been cut off values and steps
+    int plane_slack_high_;
+    std::int64_t plane_least_, plane_most_;  // beyond these no step leads onto the plane
     int plane_low_bits_;
     int main_projection_;
-    bool has_area_;
     int voxel_shift_;
 };
 
@@ -323,18 +431,22 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
     bounds_high_ = glm::max(c[0], glm::max(c[1], c[2]));
 
     const ivec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
-    for (int axis = 0; axis < 3; ++axis) {
-        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        normal_[axis] = std::int64_t{e1[u]} * e2[v] - std::int64_t{e1[v]} * e2[u];
-    }
+    normal_[0] = std::int64_t{e1.y} * e2.z - std::int64_t{e1.z} * e2.y;
+    normal_[1] = std::int64_t{e1.z} * e2.x - std::int64_t{e1.x} * e2.z;
+    normal_[2] = std::int64_t{e1.x} * e2.y - std::int64_t{e1.y} * e2.x;
     has_area_ = (normal_[0] | normal_[1] | normal_[2]) != 0;
-    const bool thin = rule == VoxelRule::thin && has_area_;
+    thin_ = rule == VoxelRule::thin && has_area_;
 
     // Orientation of each projection, before the normal is shortened below. Where a projection has
     // no area either sign serves: its edges run both ways along one line and bound it from both
     // sides.
-    const int sign[3] = {normal_[2] < 0 ? -1 : 1, normal_[0] < 0 ? -1 : 1, normal_[1] < 0 ? -1 : 1};
+    const int sign[3] = {normal_[2] < 0 ? -1 : 0, normal_[0] < 0 ? -1 : 0, normal_[1] < 0 ? -1 : 0};
+    set_edges(corners, sign);
+    set_plane();
+    if (thin_) set_thin_offsets();
+}
 
+HWY_INLINE void TriangleCells::set_plane() {
     std::int64_t size[3] = {std::abs(normal_[0]), std::abs(normal_[1]), std::abs(normal_[2])};
     std::int64_t largest = std::max({size[0], size[1], size[2]});
     main_projection_ = largest == size[2] ? 0 : largest == size[0] ? 1 : 2;
@@ -346,60 +458,119 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
         }
         largest = 1;
     }
-    std::int64_t positive = 0;
-    for (const std::int64_t n : normal_) positive += std::max<std::int64_t>(n, 0);
-    cell_plane_ = {2 * positive, size[0] + size[1] + size[2]};
-    voxel_plane_ =
-        thin ? PlaneTest{normal_[0] + normal_[1] + normal_[2] + largest, largest} : cell_plane_;
+    const std::int64_t sum = size[0] + size[1] + size[2];
+    // sum is |n|: of it this much belongs to steps up.
+    const std::int64_t positive = (sum + normal_[0] + normal_[1] + normal_[2]) / 2;
+    cell_plane_ = {2 * positive, sum};
+    voxel_plane_ = thin_ ? PlaneTest{2 * positive - sum + largest, largest} : cell_plane_;
 
     // A window's corner is at most 2^27 units from a vertex, or a window wide.
     short_plane_ = largest < std::int64_t{1} << 32;
-    // 26 bits, so that 9 steps and a value of 30 bits fit 32.
-    plane_low_bits_ = 0;
-    while (largest >> plane_low_bits_ > 1 << 26) ++plane_low_bits_;
-    std::int32_t high[3];
-    for (int axis = 0; axis < 3; ++axis)
-        high[axis] = static_cast<std::int32_t>(normal_[axis] >> plane_low_bits_);
-    for (int i = 0; i < 64; i += kLanes32)
-        hn::Store(linear(i, high[0], kCellCoordinates[0], high[1], kCellCoordinates[1],
-                         hn::Mul(hn::Set(kInt32, high[2]), load(kCellCoordinates[2] + i))),
-                  kInt32, plane_steps_ + i);
     for (int i = 0; i < 8; ++i)
         exact_plane_steps_[i] =
             (i & 1) * normal_[0] + (i >> 1 & 1) * normal_[1] + (i >> 2) * normal_[2];
 
-    for (auto& along_axis : edge_axes_)
-        for (std::int32_t& step : along_axis) step = 0;
-    for (int p = 0; p < 3; ++p) {
-        const int u = p, v = p == 2 ? 0 : p + 1;
-        for (int k = 0; k < 3; ++k) {
-            const int e = 3 * p + k;
-            const ivec3& from = c[k];
-            const ivec3& to = c[k == 2 ? 0 : k + 1];
-            const std::int32_t nu = sign[p] * (from[v] - to[v]);
-            const std::int32_t nv = sign[p] * (to[u] - from[u]);
-            edge_u_[e] = nu;
-            edge_v_[e] = nv;
-            edge_reach_[e] = std::abs(nu) + std::abs(nv);
-            edge_offset_[e] = -(edge_u_[e] * from[u] + edge_v_[e] * from[v]);
-            const std::int32_t best_corner = std::max(nu, 0) + std::max(nv, 0);
-            for (int i = 0; i < 16; i += kLanes32)
-                hn::Store(linear(i, nu, kSquareCoordinates[0], nv, kSquareCoordinates[1],
-                                 hn::Set(kInt32, best_corner)),
-                          kInt32, edge_steps_[e] + i);
-            edge_axes_[u][e] = nu;
-            edge_axes_[v][e] = nv;
+    // 13 bits for |n|, so that 3 |n| of steps, and as much for values beyond which the answer is
+    // no, fit 16.
+    constexpr int kBits = 13;
+    plane_low_bits_ =
+        std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(sum))) - kBits);
+    // Steps are added up with some bits more, or all that there are.
+    const int guard_bits = std::min(plane_low_bits_, 12);
+    const int cut = plane_low_bits_ - guard_bits;
+    // Below 0 cut off: nothing, or less than 1 from a value and less than 1 + 9/4096 from a step.
+    plane_slack_low_ = plane_low_bits_ == 0 ? 0 : 2;
+    plane_slack_high_ = plane_low_bits_ == 0 ? 0 : 3;
+    const std::int64_t up = (positive >> plane_low_bits_) + 1;
+    const std::int64_t down = ((sum - positive) >> plane_low_bits_) + 1;
+    plane_least_ = -3 * up - 4;
+    plane_most_ = (sum >> plane_low_bits_) + 3 * down + 5;
 
-            voxel_edge_offset_[e] = edge_offset_[e];
-            if (thin) {
-                // The edge passes within half a voxel, along u or v, of the voxel's centre. Written
-                // as a correction of the best corner that the steps above already contain.
-                const std::int64_t twice =
-                    std::int64_t{nu} + nv + std::max(std::abs(nu), std::abs(nv)) - 2 * best_corner;
-                voxel_edge_offset_[e] += twice << (voxel_shift - 1);
-            }
+    // In Morton order the steps of cell 8a + b are those of b, and twice those of a.
+    HWY_ALIGN std::int32_t first[8];
+    const std::int32_t along[3] = {static_cast<std::int32_t>(normal_[0] >> cut),
+                                   static_cast<std::int32_t>(normal_[1] >> cut),
+                                   static_cast<std::int32_t>(normal_[2] >> cut)};
+    for (int i = 0; i < 8; ++i)
+        first[i] = (i & 1) * along[0] + (i >> 1 & 1) * along[1] + (i >> 2) * along[2];
+    constexpr hn::CappedTag<std::int32_t, 8> kWide;
+    constexpr hn::Rebind<std::int16_t, decltype(kWide)> kNarrow;
+    for (int a = 0; a < 8; ++a) {
+        const auto twice = hn::Set(kWide, 2 * first[a]);
+        for (std::size_t b = 0; b < 8; b += hn::MaxLanes(kWide)) {
+            const auto steps =
+                hn::ShiftRightSame(hn::Add(hn::Load(kWide, first + b), twice), guard_bits);
+            hn::Store(hn::DemoteTo(kNarrow, steps), kNarrow,
+                      reinterpret_cast<std::int16_t*>(plane_steps_ + 8 * a + b));
         }
     }
+}
+
+/// @param sign  of each projection's area: 0, or -1 where it is negative
+HWY_INLINE void TriangleCells::set_edges(const std::array<FixedPoint, 3>& corners,
+                                         const int sign[3]) {
+    constexpr hn::FixedTag<std::int32_t, 4> d;
+    constexpr hn::FixedTag<std::int64_t, 2> d64;
+    const auto load = [&](int i) { return hn::Load(d, &corners[static_cast<unsigned>(i)].x); };
+    // Lane k: where edge k begins. Lane 3 is an edge from a corner to itself.
+    const auto ab_low = hn::InterleaveLower(d, load(0), load(1));
+    const auto ab_high = hn::InterleaveUpper(d, load(0), load(1));
+    const auto ca_low = hn::InterleaveLower(d, load(2), load(0));
+    const auto ca_high = hn::InterleaveUpper(d, load(2), load(0));
+    using V = decltype(ab_low);
+    const V from[3] = {hn::ConcatLowerLower(d, ca_low, ab_low),
+                       hn::ConcatUpperUpper(d, ca_low, ab_low),
+                       hn::ConcatLowerLower(d, ca_high, ab_high)};
+    const auto zero = hn::Zero(d);
+    for (int axis = 0; axis < 3; ++axis) hn::Store(zero, d, edge_axes_[axis] + 12);
+    hn::Store(hn::Zero(d64), d64, edge_offset_.even + 6);
+    hn::Store(hn::Zero(d64), d64, edge_offset_.odd + 6);
+    const auto odd = [&](V v) { return hn::BitCast(d, hn::ShiftRight<32>(hn::BitCast(d64, v))); };
+
+    for (int p = 0; p < 3; ++p) {
+        const int u = p, v = (p + 1) % 3, w = (p + 2) % 3;
+        const auto s = hn::Set(d, sign[p]);
+        const auto oriented = [&](V a) { return hn::Sub(hn::Xor(a, s), s); };
+        const V along_u = oriented(hn::Sub(from[v], hn::Shuffle0321(from[v])));
+        const V along_v = oriented(hn::Sub(hn::Shuffle0321(from[u]), from[u]));
+        hn::Store(along_u, d, edge_axes_[u] + 4 * p);
+        hn::Store(along_v, d, edge_axes_[v] + 4 * p);
+        hn::Store(zero, d, edge_axes_[w] + 4 * p);
+        hn::Store(hn::Add(hn::Abs(along_u), hn::Abs(along_v)), d, edge_reach_ + 4 * p);
+        hn::Store(hn::Add(hn::Max(along_u, zero), hn::Max(along_v, zero)), d, edge_best_ + 4 * p);
+        const auto offset = [&](V a, V b, V at_u, V at_v) {
+            return hn::Sub(hn::Zero(d64), hn::Add(hn::MulEven(a, at_u), hn::MulEven(b, at_v)));
+        };
+        hn::Store(offset(along_u, along_v, from[u], from[v]), d64, edge_offset_.even + 2 * p);
+        hn::Store(offset(odd(along_u), odd(along_v), odd(from[u]), odd(from[v])), d64,
+                  edge_offset_.odd + 2 * p);
+    }
+    for (int p = 0; p < 3; ++p)
+        for (int e = 4 * p; e < 4 * p + 3; ++e) {
+            const auto along_u = hn::Set(kInt32, edge_axes_[p][e]);
+            const auto along_v = hn::Set(kInt32, edge_axes_[(p + 1) % 3][e]);
+            const auto best = hn::Set(kInt32, edge_best_[e]);
+            const auto& coordinates = kSquareCoordinates[static_cast<unsigned>(p)];
+            for (int i = 0; i < 16; i += kLanes32)
+                hn::Store(hn::Add(hn::Add(hn::Mul(along_u, hn::Load(kInt32, coordinates[0] + i)),
+                                          hn::Mul(along_v, hn::Load(kInt32, coordinates[1] + i))),
+                                  best),
+                          kInt32, edge_steps_[e] + i);
+        }
+}
+
+inline void TriangleCells::set_thin_offsets() {
+    thin_edge_offset_ = edge_offset_;
+    for (int p = 0; p < 3; ++p)
+        for (int e = 4 * p; e < 4 * p + 3; ++e) {
+            // The edge passes within half a voxel, along u or v, of the voxel's centre. Written as
+            // a correction of the best corner that the steps already contain.
+            const std::int64_t nu = edge_axes_[p][e], nv = edge_axes_[(p + 1) % 3][e];
+            const std::int64_t twice =
+                nu + nv + std::max(std::abs(nu), std::abs(nv)) - 2 * std::int64_t{edge_best_[e]};
+            std::int64_t* offsets = e % 2 == 0 ? thin_edge_offset_.even : thin_edge_offset_.odd;
+            offsets[e / 2] += twice << (voxel_shift_ - 1);
+        }
 }
 
 }  // namespace octavo::HWY_NAMESPACE

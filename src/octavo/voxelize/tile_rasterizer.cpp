@@ -171,35 +171,52 @@ private:
 
     // Up to 4x4x4 blocks, anywhere.
     void add_blocks(const TriangleCells& triangle, const CellRange& blocks) {
-        constexpr int kFew = 4;  // to ask which of them are met costs more than to fill them
+        const ivec3 corner = space_.corner(blocks.first, 2);
+        constexpr int kFew = 27;  // to ask which of them are met costs more than to fill them
         if (blocks.count() <= kFew) {
-            const TriangleCells::BlockVoxels voxels(triangle, space_.corner(blocks.first, 2));
-            for_each_cell(blocks.in_window(), [&](unsigned code) {
-                set_block(block_code(blocks.first + kCellOfCode[code]), voxels.voxels(code));
-            });
+            triangle.for_each_block(corner, blocks.last - blocks.first + 1,
+                                    [&](const ivec3& block, std::uint64_t voxels) {
+                                        set_block(block_code(blocks.first + block), voxels);
+                                    });
             return;
         }
-        fill_window(triangle, blocks.first, blocks.in_window(),
-                    [&](unsigned code) { return block_code(blocks.first + kCellOfCode[code]); });
+        fill_window(triangle, corner, blocks.in_window(), [&](unsigned code, std::uint64_t voxels) {
+            set_block(block_code(blocks.first + kCellOfCode[code]), voxels);
+        });
     }
 
     // 4x4x4 blocks whose first one is a multiple of 4: their codes follow each other.
     void add_aligned_blocks(const TriangleCells& triangle, const ivec3& first) {
         const std::uint32_t base = block_code(first);
-        fill_window(triangle, first, ~std::uint64_t{0}, [&](unsigned code) { return base + code; });
+        const ivec3 corner = space_.corner(first, 2);
+        if (holes_) {
+            return fill_window(
+                triangle, corner, ~std::uint64_t{0},
+                [&](unsigned code, std::uint64_t voxels) { set_block(base + code, voxels); });
+        }
+        TileBitmap::Window window(bitmap_, base);
+        fill_window(
+            triangle, corner, ~std::uint64_t{0},
+            [&](unsigned code, std::uint64_t voxels) { window.add(code, voxels); },
+            [&](std::uint64_t blocks) { window.prefetch(blocks); });
     }
 
-    template <class TileCode>
-    HWY_INLINE void fill_window(const TriangleCells& triangle, const ivec3& first,
-                                std::uint64_t wanted, const TileCode& tile_code) {
-        const ivec3 corner = space_.corner(first, 2);
+    struct NoPrefetch {
+        void operator()(std::uint64_t) const {}
+    };
+
+    template <class Set, class Prefetch = NoPrefetch>
+    HWY_INLINE void fill_window(const TriangleCells& triangle, const ivec3& corner,
+                                std::uint64_t wanted, const Set& set,
+                                const Prefetch& prefetch = {}) {
         const TriangleCells::Blocks blocks = triangle.blocks(corner);
+        const std::uint64_t met = blocks.met & wanted;
+        if (met == 0) return;
+        prefetch(met);
         const TriangleCells::BlockVoxels voxels(triangle, corner);
-        for_each_cell(blocks.inside & wanted, [&](unsigned code) {
-            set_block(tile_code(code), voxels.voxels_of_plane(code));
-        });
-        for_each_cell(blocks.met & ~blocks.inside & wanted,
-                      [&](unsigned code) { set_block(tile_code(code), voxels.voxels(code)); });
+        for_each_cell(met & blocks.inside,
+                      [&](unsigned code) { set(code, voxels.voxels_of_plane(code)); });
+        for_each_cell(met & ~blocks.inside, [&](unsigned code) { set(code, voxels.voxels(code)); });
     }
 
     Space space_;
