@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "light_arguments.h"
+#include "lit_arguments.h"
 #include "octavo/render/tone_map.h"
 #include "octavo/trace/trace.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kMostSide = 4096;
 constexpr std::size_t kMostPages = 256;
+constexpr std::int64_t kAllLights = -2;  // of a wish
 
 /// The frames of one wish: each costs some times the one before.
 struct Stage {
@@ -93,6 +95,8 @@ void refuse(httplib::Response& response, const char* why) {
 RemotePicture::RemotePicture(Model model) : model_(std::move(model)) {
     bounds_ = content_bounds(model_.dag, model_.grid());
     if (bounds_.empty()) bounds_ = model_.grid().bounds();
+    device_ = open_device("auto");
+    on_device_ = device_->upload(model_.dag, model_.attributes, model_.light);
 }
 
 nlohmann::json RemotePicture::config() const {
@@ -130,10 +134,17 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
     options.ao_radius = json.at("reach").get<double>();
     options.smooth_normals = json.at("smooth").get<bool>();
 
+    if (!model_.attributes.empty()) options.attributes = &model_.attributes;
+    wish.stored = json.at("stored").get<bool>() && model_.metadata.light && !model_.light.empty();
+    if (wish.stored) options.sky = parse_sky(model_.metadata.light->sky, options.up);
+
     const auto light = json.at("light").get<std::int64_t>();
     const std::vector<Light>& stored = model_.metadata.lights;
-    if (light >= 0 && static_cast<std::uint64_t>(light) < stored.size()) {
-        options.lights = {balanced(stored, bounds_)[static_cast<std::size_t>(light)]};
+    if (light == kAllLights && !stored.empty()) {
+        options.lights = balanced(stored, bounds_);
+    } else if (light >= 0 && static_cast<std::uint64_t>(light) < stored.size()) {
+        // Alone, a light is as bright as all of them are together.
+        options.lights = balanced({stored[static_cast<std::size_t>(light)]}, bounds_);
     } else {
         Light sun = sun_at(json.at("azimuth").get<double>(), json.at("elevation").get<double>(),
                            options.up);
@@ -141,6 +152,11 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
         options.lights = {sun};
     }
     return wish;
+}
+
+Image RemotePicture::draw(const Wish& wish, const RenderOptions& options) const {
+    return wish.stored ? device_->render_cached(*on_device_, model_.grid(), options)
+                       : device_->render(*on_device_, model_.grid(), options);
 }
 
 bool RemotePicture::is_wanted(const Wish& wish) {
@@ -178,7 +194,7 @@ void RemotePicture::render(const std::string& body, httplib::Response& response)
                     options.samples = stage.samples;
                     options.ao_samples *= stage.ao_samples;
                     options.shadow_samples = stage.shadow_samples;
-                    const Image image = octavo::render(model_.dag, model_.grid(), options);
+                    const Image image = draw(*wish, options);
                     const std::string frame =
                         stage.jpeg_quality > 0
                             ? encode_jpeg(image, wish->exposure, stage.jpeg_quality)
@@ -204,11 +220,18 @@ void RemotePicture::pick(const std::string& body, httplib::Response& response) c
         return refuse(response, error.what());
     }
     Json answer;
-    if (const Hit hit = trace_closest(model_.dag, model_.grid(), ray))
+    if (const Hit hit = trace_closest(model_.dag, model_.grid(), ray)) {
         answer = {{"path", {hit.path.x, hit.path.y, hit.path.z}},
                   {"height", model_.grid().depth - hit.level},
                   {"face", static_cast<int>(hit.face)},
                   {"time", hit.t}};
+        const auto list = [](const vec3& v) { return Json::array({v.x, v.y, v.z}); };
+        const vec3 towards(-ray.direction);
+        if (const auto albedo = model_.attributes.albedo(hit.path, hit.level, towards))
+            answer["albedo"] = list(*albedo);
+        const auto emission = model_.attributes.emission(hit.path, hit.level, towards);
+        if (emission && *emission != vec3(0.0f)) answer["emission"] = list(*emission);
+    }
     response.set_content(answer.dump(), "application/json");
 }
 

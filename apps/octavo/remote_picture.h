@@ -6,16 +6,19 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "octavo/backend/device.h"
 #include "octavo/io/model.h"
 #include "octavo/render/render.h"
 
 namespace octavo::cli {
 
-/// Draws what the page's camera sees and sends it as pictures, each sharper than the one before.
+/// Draws what the page's camera sees, on the best device of this machine, and sends it as pictures,
+/// each sharper than the one before.
 ///
 /// One picture is drawn at a time. A newer wish of the same page stops the older one, so a camera
 /// that moves never waits for pictures that nobody wants any more.
@@ -41,13 +44,18 @@ private:
         std::string page;
         std::uint64_t number = 0;  // of the page's wishes
         RenderOptions options;
+        bool stored = false;  // by the light of the file's cells
         double exposure = 0.0;
     };
     [[nodiscard]] Wish parse(const std::string& body) const;
     [[nodiscard]] bool is_wanted(const Wish& wish);
 
+    [[nodiscard]] Image draw(const Wish& wish, const RenderOptions& options) const;
+
     Model model_;
     Box bounds_;
+    std::unique_ptr<Device> device_;  // the best; one thread at a time, see drawing_
+    std::unique_ptr<DeviceDag> on_device_;
     std::mutex wishes_mutex_;
     std::map<std::string, std::uint64_t> newest_;  // by page
     std::mutex drawing_;

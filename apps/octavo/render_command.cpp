@@ -132,6 +132,25 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     return camera;
 }
 
+/// What draws the picture; `auto` takes the CPU where no GPU can.
+std::unique_ptr<Device> device_for(const RenderArguments& arguments) {
+    const std::string what = only_on_cpu(arguments.options);
+    if (arguments.device == "cpu" || what.empty()) return open_device(arguments.device);
+    if (arguments.device == "auto") return open_device("cpu");
+    throw Error(Errc::bad_argument, "--device " + arguments.device + " draws no picture with " +
+                                        what + ": give --device cpu");
+}
+
+/// With the light of the cells alone, on any device.
+Image render_cached(const RenderArguments& arguments, const LitInput& input) {
+    const LitObject& object = input.scene.objects.front();
+    RenderOptions options = arguments.options;
+    options.sky = input.scene.sky;
+    const auto device = device_for(arguments);
+    const auto dag = device->upload(object.dag, object.attributes, object.light);
+    return device->render_cached(*dag, object.grid, options);
+}
+
 /// With the light of the cells, or by paths.
 void run_lit(RenderArguments& arguments) {
     if (arguments.no_color)
@@ -154,20 +173,12 @@ void run_lit(RenderArguments& arguments) {
     options.camera = arguments.eye || arguments.camera_name.empty() == false || !input.camera
                          ? chosen_camera(arguments, input.models.front())
                          : *input.camera;
-    write_image(arguments.output, render_lit(input.scene, lit.lighting, options),
+    const bool one_object = arguments.file.extension() != ".json";
+    write_image(arguments.output,
+                lit.lighting == Lighting::cached && one_object
+                    ? render_cached(arguments, input)
+                    : render_lit(input.scene, lit.lighting, options),
                 arguments.exposure);
-}
-
-/// What draws the picture; `auto` takes the CPU where no GPU can.
-std::unique_ptr<Device> device_for(const RenderArguments& arguments) {
-    const std::string what = only_on_cpu(arguments.options);
-    if (arguments.device == "cpu" || what.empty()) return open_device(arguments.device);
-    if (arguments.device == "auto") return open_device("cpu");
-    const std::string instead = arguments.options.primary      ? ""
-                                : arguments.options.attributes ? "--no-color or "
-                                                               : "no --sky or ";
-    throw Error(Errc::bad_argument, "--device " + arguments.device + " draws no picture with " +
-                                        what + ": give " + instead + "--device cpu");
 }
 
 void run_render(RenderArguments& arguments) {
@@ -183,10 +194,14 @@ void run_render(RenderArguments& arguments) {
     if (!arguments.gi.empty() || arguments.reference || scene_file) {
         if (arguments.primary_mesh)
             throw Error(Errc::bad_argument, "--primary mesh goes without --gi and --reference");
-        if (arguments.device != "cpu" && arguments.device != "auto")
-            throw Error(Errc::bad_argument, "--device " + arguments.device +
-                                                ": light that surfaces send on, and scene files, "
-                                                "are drawn by the CPU only");
+        const std::string only = scene_file            ? "scene files"
+                                 : arguments.reference ? "--reference"
+                                                       : "--gi";
+        if (arguments.device != "cpu" && arguments.device != "auto" &&
+            (scene_file || arguments.gi != "cached"))
+            throw Error(Errc::bad_argument,
+                        "--device " + arguments.device + ": " + only + " is for the CPU" +
+                            (only == "--gi" ? "; a GPU draws --gi cached" : ""));
         return run_lit(arguments);
     }
     if (arguments.primary_mesh && arguments.dag.empty())
@@ -208,7 +223,8 @@ void run_render(RenderArguments& arguments) {
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
     const auto device = device_for(arguments);
-    const auto dag = device->upload(model.dag);
+    const auto dag = options.attributes ? device->upload(model.dag, model.attributes)
+                                        : device->upload(model.dag);
     write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
 }
 

@@ -215,6 +215,33 @@ TEST(CutOuts, DoNotDependOnTilesOrThreads) {
     }
 }
 
+TEST(CutOuts, AreTheSameFromDiskOnceTheSceneIsGone) {
+    const test::TemporaryFolder folder;
+    const Scene whole = [] {
+        Scene scene = textured_square(random_bitmap(33, 33, 3, true), 3.0, Texture::Wrap::repeat);
+        scene.positions[2].z = 14.0;  // slanted
+        scene.materials[0].alpha_cutoff = 0.5f;
+        return scene;
+    }();
+    BuildOptions options;
+    options.depth = 7;
+    options.tile = 16;
+    const BuildResult expected = build(whole, options);
+    options.scratch = folder.path() / "s";
+    options.spill.triangle_bytes = 1;
+    Scene scene = whole;
+    const BuildResult spilled = build_and_release(scene, options);
+    EXPECT_TRUE(scene.triangles.empty());
+    EXPECT_TRUE(scene.textures.empty());
+    EXPECT_TRUE(std::ranges::equal(spilled.dag.words(), expected.dag.words()));
+    BuildOptions solid = options;
+    solid.scratch.clear();
+    solid.spill = {};
+    Scene without = whole;
+    without.materials[0].alpha_cutoff.reset();
+    EXPECT_LT(expected.statistics.voxels, build(without, solid).statistics.voxels);
+}
+
 TEST(CutOuts, WithoutHolesEverythingStays) {
     Scene scene = textured_square(random_bitmap(16, 16, 3, false), 1.0, Texture::Wrap::repeat);
     const BuildResult opaque = build_16(scene, 6);

@@ -29,14 +29,14 @@ public:
     void read(std::uint64_t address, std::span<std::byte> bytes) override {
         std::memcpy(bytes.data(), reinterpret_cast<const void*>(address), bytes.size());
     }
-    [[nodiscard]] shared::DagView upload(std::span<const std::uint32_t> words, int depth) override {
-        if (words.empty()) return {nullptr, 0};
+    [[nodiscard]] shared::WordArray upload(std::span<const std::uint32_t> words) override {
+        if (words.empty()) return {};
         const std::uint64_t address = allocate(words.size_bytes());
         write(address, std::as_bytes(words));
-        return {reinterpret_cast<const shared::uint*>(address), depth};
+        return {reinterpret_cast<const shared::uint*>(address)};
     }
-    void release(const shared::DagView& dag) noexcept override {
-        if (dag.words != nullptr) release(reinterpret_cast<std::uint64_t>(dag.words));
+    void release(const shared::WordArray& words) noexcept override {
+        if (words.at != nullptr) release(reinterpret_cast<std::uint64_t>(words.at));
     }
     void run(Pass pass, const shared::RayJob& job, std::uint64_t threads) override {
         for (std::uint32_t i = 0; i < threads; ++i)
@@ -73,6 +73,12 @@ private:
                 return ambient_out_pass(job, i);
             case Pass::shadow_out:
                 return shadow_out_pass(job, i);
+            case Pass::looks:
+                return looks_pass(job, i);
+            case Pass::cached:
+                return cached_pass(job, i);
+            case Pass::gbuffer_looks:
+                return gbuffer_looks_pass(job, i);
             default:
                 std::abort();
         }

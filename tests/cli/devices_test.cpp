@@ -62,39 +62,40 @@ TEST(Devices, ThatAreNoneAreRefused) {
 TEST(Devices, DrawThePictureOfTheProcessorThroughVulkan) {
     if (const std::string why = vulkan_missing(); !why.empty()) GTEST_SKIP() << "vulkan: " << why;
     const TemporaryFolder folder;
-    const std::string render =
-        "octavo render " + small_octv().string() + " --size 64x36 --ao 8 --quiet ";
-    const Outcome drawn = run_shell(folder.path(), render + "-o gpu.exr --device vulkan");
-    ASSERT_EQ(drawn.code, 0) << drawn.err;
-    ASSERT_EQ(run_shell(folder.path(), render + "-o cpu.exr").code, 0);
-    const SkyImage found = load_sky_image(folder / "gpu.exr");
-    const SkyImage expected = load_sky_image(folder / "cpu.exr");
-    ASSERT_EQ(found.color.size(), expected.color.size());
-    std::size_t different = 0;  // where a ray grazes a voxel within rounding
-    for (std::size_t i = 0; i < found.color.size(); ++i)
-        different += glm::length(found.color[i] - expected.color[i]) > 0.01f;
-    EXPECT_LE(different, found.color.size() / 50);
+    ASSERT_EQ(run_shell(folder.path(),
+                        "octavo build sample:courtyard -o color.octv -r 32 --attributes "
+                        "color,emission --quiet && octavo light color.octv --rays 2 "
+                        "--shadow-samples 1 --bounces 0 --quiet")
+                  .code,
+              0);
+    for (const std::string& what : {small_octv().string(), std::string("color.octv"),
+                                    small_octv().string() + " --sky color:1,2,3:power=0.2",
+                                    std::string("color.octv --gi cached")}) {
+        const std::string render = "octavo render " + what + " --size 64x36 --ao 8 --quiet -f ";
+        const Outcome drawn = run_shell(folder.path(), render + "-o gpu.exr --device vulkan");
+        ASSERT_EQ(drawn.code, 0) << what << drawn.err;
+        ASSERT_EQ(run_shell(folder.path(), render + "-o cpu.exr").code, 0) << what;
+        const SkyImage found = load_sky_image(folder / "gpu.exr");
+        const SkyImage expected = load_sky_image(folder / "cpu.exr");
+        ASSERT_EQ(found.color.size(), expected.color.size());
+        std::size_t different = 0;  // where a ray grazes a voxel within rounding
+        for (std::size_t i = 0; i < found.color.size(); ++i)
+            different += glm::length(found.color[i] - expected.color[i]) > 0.01f;
+        EXPECT_LE(different, found.color.size() / 50) << what;
+    }
 }
 
 TEST(Devices, RefuseWhatOnlyTheProcessorDraws) {
     const TemporaryFolder folder;
-    ASSERT_EQ(run_shell(folder.path(),
-                        "octavo build sample:courtyard -o color.octv -r 64 --attributes color "
-                        "--quiet")
-                  .code,
-              0);
     const std::string file = small_octv().string();
     const std::string rest = " --size 8x8 --ao 1 --quiet -o a.png -f --device ";
-    for (const std::string& what :
-         {std::string("color.octv"), file + " --sky none", file + " --gi", file + " --reference"}) {
+    for (const std::string& what : {file + " --gi", file + " --reference"}) {
         const Outcome refused = run_shell(folder.path(), "octavo render " + what + rest + "vulkan");
         EXPECT_EQ(refused.code, 2) << what << refused.err;
         EXPECT_NE(refused.err.find("--device"), std::string::npos) << refused.err;
     }
-    EXPECT_NE(run_shell(folder.path(), "octavo render color.octv" + rest + "vulkan")
-                  .err.find("--no-color"),
-              std::string::npos);
-    const Outcome taken = run_shell(folder.path(), "octavo render color.octv" + rest + "auto");
+    const Outcome taken =
+        run_shell(folder.path(), "octavo render " + file + " --sky none" + rest + "auto");
     EXPECT_EQ(taken.code, 0) << taken.err;
 }
 

@@ -4,34 +4,30 @@
 import { type Config, readConfig, takeInlineScene } from './config';
 import { Engine, type Plan } from './gl/engine';
 import { Renderer, type Shot } from './gl/renderer';
+import type { CellLayout } from './octv/cells';
 import type { CellBox } from './octv/content_bounds';
 import type { FaultKind } from './octv/errors';
 import type { Metadata } from './octv/metadata';
 import { levelsThatFit } from './octv/reader';
 import type { Origin, Report } from './octv/worker';
 import { RemotePainter } from './remote_painter';
+import { type Scene, hasStoredLight, openLevel, sceneFacts } from './scene';
 import { SceneLoader } from './scene_loader';
+import { bindButtons, bindDropping, download, togglePanel } from './ui/buttons';
 import { byId, fillFacts } from './ui/dom';
-import { megabytes, rounded, shortCount, worldNumber } from './ui/numbers';
+import { faultNotice, hideLoading, hideNotice, notice, showLoading, toast } from './ui/messages';
+import { megabytes, rounded } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
-import { type Axes, type Box, type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
+import { engineFacts, painterFacts } from './ui/statistics';
+import { startTheme } from './ui/theme';
+import { type FoundCell, centreOf, voxelFacts } from './ui/voxel_facts';
+import { type Axes, type Camera, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
-import { lampOf, storedLight, usableLights } from './view/lights';
+import { kAllLights, kViewersSun, storedLight, storedSun, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
 import { type Settings, kDefaults, kModes } from './view/settings';
+import { LampPlacer, shotOf, wishOf } from './view/shot';
 import { type Vec3, add, length, scale, sub } from './view/vec';
-
-interface Scene {
-    name: string;
-    origin: Origin;
-    metadata: Metadata;
-    fileBytes: number;
-    loadedBytes: number;
-    loadedLevels: number; // from the root
-    levelsWanted: number; // what fits
-    box: Box | undefined; // of the voxels, world space
-    done: boolean;
-}
 
 const kMebi = 1024 * 1024;
 const kLinkDelay = 300; // milliseconds
@@ -50,8 +46,9 @@ export class App {
     private engine: Engine | undefined;
     private config: Config | undefined;
     private painter: RemotePainter | undefined; // draws instead of this machine's GPU
+    private readonly lamps = new LampPlacer();
+    private pendingCells: CellLayout | undefined;
     private linkTimer = 0;
-    private toastTimer = 0;
     private shownStatistics = 0;
 
     constructor() {
@@ -70,18 +67,28 @@ export class App {
             moveTo: (camera) => this.moveTo(camera),
             click: (x, y) => void this.showVoxel(x, y),
             doubleClick: (x, y) => void this.focusOn(x, y),
-            speedChanged: (speed) => this.toast(`Speed ${rounded(speed)} units a second`),
+            speedChanged: (speed) => toast(`Speed ${rounded(speed)} units a second`),
         });
-        this.bindButtons();
-        this.bindDropping();
-        this.applyTheme(storedTheme());
-        if (innerWidth <= 720) this.togglePanel(false);
+        const open = (name: string, blob: Blob): void => this.open(name, { blob });
+        bindButtons({
+            frameAll: () => this.frameAll(),
+            savePicture: () => this.savePicture(),
+            copyLink: () => void this.copyLink(),
+            open,
+            chooseMode: (index) => this.chooseMode(index),
+        });
+        startTheme();
+        if (innerWidth <= 720) togglePanel(false);
         window.addEventListener('hashchange', () => this.followLink());
         new ResizeObserver(() => this.resize()).observe(this.canvas);
         this.resize();
         this.config = readConfig();
-        if (this.config?.render) this.startPainter(this.config.render);
-        else this.startGraphics();
+        if (this.config?.render) {
+            this.startPainter(this.config.render);
+        } else {
+            bindDropping(open); // another machine has its own file
+            this.startGraphics();
+        }
         this.panel.offer(this.offers());
         this.openConfigured();
     }
@@ -91,12 +98,12 @@ export class App {
     private openConfigured(): void {
         const { config } = this;
         if (!config) {
-            this.notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
+            notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
             return;
         }
         if (config.inline) return this.open(config.name, { bytes: takeInlineScene() });
         if (location.protocol === 'file:') {
-            return this.notice(
+            return notice(
                 'This page was opened from a disk',
                 'Browsers do not let such a page read the files beside it. Serve the folder with any web server, or drop the .octv file here.',
                 'octavo export FILE --html PAGE.html writes one file that can be opened like this.',
@@ -109,11 +116,11 @@ export class App {
         this.loader?.cancel();
         this.opened = { name, origin };
         this.scene = undefined;
-        byId('notice').hidden = true;
+        hideNotice();
         byId('voxel').hidden = true;
         document.title = `${name} · Octavo`;
         byId('scene-name').textContent = name;
-        this.showLoading('Opening', 0, '');
+        showLoading('Opening', 0, '');
         this.load();
     }
 
@@ -121,6 +128,7 @@ export class App {
         const { name, origin } = this.opened!;
         this.canvas.dataset.state = 'drawing'; // what is shown is not what was asked for any more
         if (this.scene) this.scene.done = false;
+        this.renderer?.dropCells();
         this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
     }
 
@@ -147,6 +155,22 @@ export class App {
             case 'bounds':
                 this.learnBounds(report.box);
                 return;
+            case 'cells':
+                this.pendingCells = this.renderer?.reserveCells(report.layout) ? report.layout : undefined;
+                if (!this.pendingCells) toast('This GPU has no room for the colours', 8000);
+                return;
+            case 'cellWords':
+                this.renderer?.appendCells(report.words);
+                return;
+            case 'cellsReady':
+                this.renderer?.showCells();
+                scene!.cells = this.pendingCells;
+                this.panel.offer(this.offers());
+                this.redraw();
+                return;
+            case 'cellsLeftOut':
+                toast(report.why, 8000);
+                return;
             case 'done':
                 this.finishLoading();
                 return;
@@ -160,13 +184,14 @@ export class App {
         const { depth } = metadata.grid;
         const levelsWanted = this.reserve(metadata);
         const box = same ? this.scene!.box : undefined;
-        this.scene = { name, origin, metadata, fileBytes, loadedBytes: 0, loadedLevels: 0, levelsWanted, box, done: false };
+        this.scene = { name, origin, metadata, fileBytes, loadedBytes: 0, loadedLevels: 0, levelsWanted, box, cells: undefined, done: false };
         byId('scene-size').textContent = `${2 ** depth}³`;
         if (!same) {
             const light = storedLight(metadata);
             // Smoothing takes a GPU; without one faces are quick, and the control is there.
             const smooth = kDefaults.smooth && !this.renderer?.software;
-            this.base = { ...kDefaults, ...this.storedSun(metadata, light), light, smooth, finestLevel: depth };
+            const stored = metadata.storedLight !== undefined;
+            this.base = { ...kDefaults, ...storedSun(metadata, light, this.axes), light, smooth, stored, finestLevel: depth };
             const link = readLink(location.hash);
             this.settings = { ...this.base, ...link.settings, memory: this.settings.memory };
             this.camera = link.camera;
@@ -183,15 +208,6 @@ export class App {
         if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
-    }
-
-    /** Where the file's sun stands, so that turning it begins there. */
-    private storedSun(metadata: Metadata, light: number): Partial<Settings> {
-        const stored = metadata.lights[light];
-        if (stored?.kind !== 'sun') return {};
-        const angles = anglesOf(this.axes, scale(-1, stored.direction));
-        const degrees = 180 / Math.PI;
-        return { sunAzimuth: Math.round(angles.azimuth * degrees), sunElevation: Math.round(angles.elevation * degrees) };
     }
 
     /** Takes room for as many levels as fit. @returns their number */
@@ -221,7 +237,7 @@ export class App {
         this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.aspect);
         if (stored) this.panel.showCamera(0);
         const link = readLink(location.hash).settings;
-        if (link.sunAzimuth === undefined && this.settings.light === -1) {
+        if (link.sunAzimuth === undefined && this.settings.light === kViewersSun) {
             const behind = this.camera.azimuth + Math.PI;
             const azimuth = Math.round((behind * 180) / Math.PI - 55);
             this.settings = { ...this.settings, sunAzimuth: ((azimuth + 540) % 360) - 180 };
@@ -233,38 +249,19 @@ export class App {
         const scene = this.scene!;
         scene.done = true;
         scene.loadedBytes = scene.fileBytes;
-        byId('loading').hidden = true;
+        hideLoading();
         const { depth } = scene.metadata.grid;
         if (scene.metadata.words > 0 && scene.levelsWanted < depth - 1 && scene.levelsWanted > 0) {
-            const shown = 2 ** this.openLevel(scene);
-            this.toast(`Shown at ${shown}³ of ${2 ** depth}³: all of it takes ${megabytes(4 * scene.metadata.words)} of GPU memory`, 8000);
+            const shown = 2 ** openLevel(scene);
+            toast(`Shown at ${shown}³ of ${2 ** depth}³: all of it takes ${megabytes(4 * scene.metadata.words)} of GPU memory`, 8000);
         }
-        if (scene.metadata.words === 0) this.toast('The scene has no voxels', 8000);
+        if (scene.metadata.words === 0) toast('The scene has no voxels', 8000);
         this.redraw();
     }
 
     private fault(kind: FaultKind, message: string): void {
         this.loader?.cancel();
-        byId('loading').hidden = true;
-        const titles: Record<FaultKind, string> = {
-            damaged: 'This file is damaged',
-            unsupported: 'This file needs a newer viewer',
-            unreachable: 'The scene did not arrive',
-            limit: 'This scene is too large here',
-        };
-        const helps: Record<FaultKind, string> = {
-            damaged: this.scene && this.scene.loadedLevels > 0 ? 'What came before the damage is shown. Build or copy the file again.' : 'Build or copy the file again.',
-            unsupported: 'Open it with the program that wrote it.',
-            unreachable: 'Start octavo view again, or drop the file on this page.',
-            limit: 'Raise the GPU memory in the settings, build it at a lower resolution, or let another machine draw: octavo view --render-here.',
-        };
-        this.notice(titles[kind], message, helps[kind]);
-    }
-
-    /** Cells of this level are the finest that can be shown now. */
-    private openLevel(scene: Scene): number {
-        const { depth } = scene.metadata.grid;
-        return scene.loadedLevels >= depth - 1 ? depth : scene.loadedLevels;
+        faultNotice(kind, message, this.scene !== undefined && this.scene.loadedLevels > 0);
     }
 
     // ---- the picture ----
@@ -272,7 +269,7 @@ export class App {
     private startGraphics(): void {
         const gl = this.canvas.getContext('webgl2', { alpha: false, antialias: false, depth: false, powerPreference: 'high-performance' });
         if (!gl) {
-            this.notice(
+            notice(
                 'This browser has no WebGL 2',
                 'The viewer draws with WebGL 2, which this browser lacks or has turned off.',
                 'Update the browser or its graphics driver, turn hardware acceleration on, or run octavo view --render-here.',
@@ -286,7 +283,7 @@ export class App {
             this.engine?.stop();
             this.engine = this.renderer = undefined;
             this.canvas.dataset.state = 'drawing';
-            this.toast('The GPU was reset; the scene is loaded again', 5000);
+            toast('The GPU was reset; the scene is loaded again', 5000);
         });
         this.canvas.addEventListener('webglcontextrestored', () => {
             this.makeRenderer(gl);
@@ -302,28 +299,6 @@ export class App {
         this.painter = new RemotePainter(image, here(render.url), here(render.pick), () => this.showStatistics(), (message) => this.fault('unreachable', message));
     }
 
-    private askPainter(scene: Scene, camera: Camera): void {
-        const { settings, axes } = this;
-        const radians = Math.PI / 180;
-        this.painter!.ask({
-            width: Math.min(4096, this.canvas.width),
-            height: Math.min(4096, this.canvas.height),
-            eye: camera.eye,
-            forward: forwardOf(camera, axes),
-            up: axes.y,
-            fov: camera.verticalFov,
-            shadows: settings.shadows,
-            ambient: settings.ambient,
-            reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
-            smooth: settings.smooth,
-            light: settings.light,
-            azimuth: settings.sunAzimuth * radians,
-            elevation: settings.sunElevation * radians,
-            size: settings.sunSize * radians,
-            exposure: settings.exposure,
-        });
-    }
-
     private makeRenderer(gl: WebGL2RenderingContext): void {
         this.renderer = new Renderer(gl);
         this.engine = new Engine(gl, this.renderer, () => this.showStatistics());
@@ -333,7 +308,7 @@ export class App {
         const { scene, camera, engine } = this;
         this.canvas.dataset.state = 'drawing';
         if (!scene?.box || !camera) return;
-        if (this.painter) return this.askPainter(scene, camera);
+        if (this.painter) return this.painter.ask(wishOf(scene, camera, this.settings, this.axes, this.canvas));
         if (!engine) return;
         engine.change({
             shot: this.shot(scene, camera),
@@ -345,33 +320,8 @@ export class App {
     }
 
     private shot(scene: Scene, camera: Camera): Shot {
-        const { settings, axes } = this;
-        const { grid } = scene.metadata;
-        const uniforms = cameraUniforms(camera, axes, grid, this.canvas.width, this.canvas.height);
-        const lamp = lampOf(settings, scene.metadata, axes, scene.box!);
-        const level = Math.min(this.openLevel(scene), settings.finestLevel);
-        const perVoxel = 1 / grid.voxelSize;
-        return {
-            camera: uniforms,
-            depth: scene.loadedLevels > 0 ? grid.depth : 0,
-            gridDepth: grid.depth,
-            stopHeight: grid.depth - level,
-            cone: settings.detail * uniforms.pitch,
-            mode: settings.mode,
-            smooth: settings.smooth,
-            up: axes.y,
-            skySamples: settings.ambient ? 4 : 0,
-            skyRadius: 0.01 * settings.ambientRadius * diagonalOf(scene.box!) * perVoxel,
-            lampSamples: settings.shadows === 'none' ? 0 : 1,
-            lamp: {
-                sun: lamp.sun,
-                direction: lamp.direction,
-                position: scale(perVoxel, sub(lamp.position, grid.origin)),
-                radius: settings.shadows === 'soft' ? lamp.radius * (lamp.sun ? 1 : perVoxel) : 0,
-                intensity: lamp.sun ? lamp.intensity : scale(perVoxel * perVoxel, lamp.intensity),
-                spot: lamp.spot,
-            },
-        };
+        const lamps = this.lamps.place(scene, this.settings, this.axes);
+        return shotOf(scene, camera, this.settings, this.axes, lamps, this.canvas);
     }
 
     private resize(): void {
@@ -425,8 +375,8 @@ export class App {
         const before = this.settings;
         const turned = (['sunAzimuth', 'sunElevation', 'sunSize'] as const).some((key) => before[key] !== settings[key]);
         // A sun of the file that is turned is the viewer's own from there on.
-        if (turned && settings.light !== -1) {
-            settings = { ...settings, light: -1 };
+        if (turned && settings.light !== kViewersSun) {
+            settings = { ...settings, light: kViewersSun };
             this.panel.show(settings);
         }
         this.settings = settings;
@@ -449,57 +399,38 @@ export class App {
         const usable = metadata ? usableLights(metadata) : [];
         const chosen = usable.includes(this.settings.light) ? metadata!.lights[this.settings.light] : undefined;
         return {
-            modes: this.painter ? ['shaded'] : kModes,
+            modes: this.painter ? ['shaded'] : kModes.filter((mode) => mode !== 'color' || this.scene?.cells !== undefined),
             cameras: metadata?.cameras.map((camera, i) => camera.name || `Camera ${i + 1}`) ?? [],
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
-            sunLight: !chosen || chosen.kind === 'sun',
+            storedLight: this.scene !== undefined && (this.painter ? metadata!.storedLight !== undefined : hasStoredLight(this.scene)),
+            sunLight: this.settings.light !== kAllLights && (!chosen || chosen.kind === 'sun'),
             gpu: !this.painter,
         };
     }
 
     // ---- voxels ----
 
-    private async pick(x: number, y: number): Promise<{ point: Vec3; facts: [string, string][] } | undefined> {
+    private async pick(x: number, y: number): Promise<FoundCell | undefined> {
         const { scene, camera, renderer, painter } = this;
         if (!scene?.box || !camera) return undefined;
         const { width, height } = this.canvas;
         const toPixels = width / this.canvas.clientWidth;
-        let found: { path: Vec3; height: number; face: number } | undefined;
         if (painter) {
             const view = cameraUniforms(camera, this.axes, scene.metadata.grid, width, height);
             const across = scale(x * toPixels - width / 2, view.right);
             const below = scale(y * toPixels - height / 2, view.down);
-            found = await painter.pick(camera.eye, add(view.forward, add(across, below)));
-        } else if (renderer?.ready) {
-            found = renderer.pick(this.shot(scene, camera), width, height, x * toPixels, y * toPixels);
+            return painter.pick(camera.eye, add(view.forward, add(across, below)));
         }
-        if (!found) return undefined;
-        const { grid } = scene.metadata;
-        const size = 2 ** found.height * grid.voxelSize;
-        const corner = add(grid.origin, scale(size, found.path));
-        const centre = add(corner, [size / 2, size / 2, size / 2]);
-        const distance = length(sub(centre, camera.eye));
-        const faces = ['−x', '+x', '−y', '+y', '−z', '+z', 'inside'];
-        const number = (v: Vec3): string => v.map((value) => worldNumber(value, grid.voxelSize)).join(', ');
-        return {
-            point: centre,
-            facts: [
-                ['Path', found.path.join(', ')],
-                ['Level', found.height === 0 ? `${grid.depth}, a voxel` : `${grid.depth - found.height}, ${2 ** found.height} voxels wide`],
-                ['Position', number(centre)],
-                ['Size', rounded(size)],
-                ['Face', faces[found.face] ?? ''],
-                ['Distance', rounded(distance, 4)],
-            ],
-        };
+        if (!renderer?.ready) return undefined;
+        return renderer.pick(this.shot(scene, camera), width, height, x * toPixels, y * toPixels);
     }
 
     private async showVoxel(x: number, y: number): Promise<void> {
         const found = await this.pick(x, y);
         byId('voxel').hidden = !found;
-        if (found) fillFacts(byId('voxel-facts'), found.facts);
+        if (found) fillFacts(byId('voxel-facts'), voxelFacts(found, this.scene!.metadata.grid, this.camera!.eye));
     }
 
     private async focusOn(x: number, y: number): Promise<void> {
@@ -507,8 +438,9 @@ export class App {
         if (!found || !this.camera) return;
         // The view direction stays; the eye moves aside until the voxel is in the middle.
         const forward = forwardOf(this.camera, this.axes);
-        const distance = length(sub(found.point, this.camera.eye));
-        this.moveTo({ ...this.camera, distance, eye: sub(found.point, scale(distance, forward)) });
+        const centre = centreOf(found, this.scene!.metadata.grid);
+        const distance = length(sub(centre, this.camera.eye));
+        this.moveTo({ ...this.camera, distance, eye: sub(centre, scale(distance, forward)) });
         await this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
     }
 
@@ -545,9 +477,9 @@ export class App {
         history.replaceState(null, '', link);
         try {
             await navigator.clipboard.writeText(link);
-            this.toast('The link is on the clipboard');
+            toast('The link is on the clipboard');
         } catch {
-            this.toast("The link is in the browser's address bar");
+            toast("The link is in the browser's address bar");
         }
     }
 
@@ -555,104 +487,30 @@ export class App {
         const name = `${(this.scene?.name ?? 'octavo').replace(/\.octv$/, '')}.png`;
         this.engine?.presentNow();
         const save = (blob: Blob | null | undefined): void => {
-            if (!blob) return this.toast('The picture could not be made');
-            const link = document.createElement('a');
-            link.href = URL.createObjectURL(blob);
-            link.download = name;
-            link.click();
-            setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-            this.toast(`Saved ${name}`);
+            if (!blob) return toast('The picture could not be made');
+            download(blob, name);
+            toast(`Saved ${name}`);
         };
         if (this.painter) save(this.painter.picture);
         else this.canvas.toBlob(save);
     }
 
-    private bindButtons(): void {
-        const actions: Record<string, () => void> = {
-            'frame-all': () => this.frameAll(),
-            screenshot: () => this.savePicture(),
-            'copy-link': () => void this.copyLink(),
-            'open-file': () => byId<HTMLInputElement>('file').click(),
-            theme: () => this.applyTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark', true),
-            help: () => byId<HTMLDialogElement>('help-dialog').showModal(),
-            'toggle-panel': () => this.togglePanel(),
-            'notice-open': () => byId<HTMLInputElement>('file').click(),
-            'notice-close': () => (byId('notice').hidden = true),
-        };
-        for (const [id, action] of Object.entries(actions)) byId(id).addEventListener('click', action);
-        byId<HTMLInputElement>('file').addEventListener('change', (event) => {
-            const input = event.target as HTMLInputElement;
-            const file = input.files?.[0];
-            input.value = '';
-            if (file) this.open(file.name, { blob: file });
-        });
-        const keys: Record<string, string> = { f: 'frame-all', p: 'screenshot', c: 'copy-link', o: 'open-file', h: 'help' };
-        window.addEventListener('keydown', (event) => {
-            if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
-            if (event.target instanceof HTMLElement && event.target.matches('input[type=number], select')) return;
-            const dialog = byId<HTMLDialogElement>('help-dialog');
-            if (dialog.open) {
-                if (event.key.toLowerCase() === 'h') dialog.close();
-                return;
-            }
-            const mode = this.offers().modes[Number(event.key) - 1];
-            const action = keys[event.key.toLowerCase()];
-            if (action) actions[action]!();
-            else if (mode) {
-                this.panel.show({ ...this.settings, mode });
-                this.changeSettings({ ...this.settings, mode });
-            } else return;
-            event.preventDefault();
-        });
-    }
-
-    private bindDropping(): void {
-        const drop = byId('drop');
-        const show = (event: DragEvent, shown: boolean): void => {
-            event.preventDefault();
-            drop.hidden = !shown;
-        };
-        if (readConfig()?.render) return; // the other machine has its own file
-        window.addEventListener('dragover', (event) => show(event, true));
-        window.addEventListener('dragleave', (event) => show(event, event.relatedTarget !== null));
-        window.addEventListener('drop', (event) => {
-            show(event, false);
-            const file = event.dataTransfer?.files[0];
-            if (file) this.open(file.name, { blob: file });
-        });
-    }
-
-    private togglePanel(open = byId('panel').classList.contains('closed')): void {
-        byId('panel').classList.toggle('closed', !open);
-        byId('toggle-panel').setAttribute('aria-expanded', String(open));
-    }
-
-    private applyTheme(theme: string, remember = false): void {
-        document.documentElement.dataset.theme = theme;
-        if (remember) {
-            try {
-                localStorage.setItem('octavo-theme', theme);
-            } catch {
-                // A page without storage follows the system next time.
-            }
-        }
+    private chooseMode(index: number): boolean {
+        const mode = this.offers().modes[index];
+        if (!mode) return false;
+        this.panel.show({ ...this.settings, mode });
+        this.changeSettings({ ...this.settings, mode });
+        return true;
     }
 
     // ---- what is said ----
-
-    private showLoading(text: string, part: number, levels: string): void {
-        byId('loading').hidden = false;
-        byId<HTMLProgressElement>('bytes').value = part;
-        byId('loading-text').textContent = text;
-        byId('loading-levels').textContent = levels;
-    }
 
     private showProgress(): void {
         const { scene } = this;
         if (!scene || scene.done) return;
         const all = scene.fileBytes;
         const levels = scene.metadata.grid.depth - 1;
-        this.showLoading(
+        showLoading(
             `${megabytes(scene.loadedBytes)} of ${megabytes(all)}`,
             scene.loadedBytes / all,
             `level ${scene.loadedLevels} of ${Math.min(levels, scene.levelsWanted)}`,
@@ -661,67 +519,17 @@ export class App {
 
     private showStatistics(): void {
         const { engine, scene, renderer, painter } = this;
-        if (painter && scene) {
-            this.canvas.dataset.state = painter.finished ? 'finished' : 'drawing';
-            this.canvas.dataset.samples = String(painter.frames);
-            const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 4`;
-            return fillFacts(byId('statistics'), [['Drawn by', 'octavo, on the other machine'], ['Picture', sharpness], ...this.sceneFacts(scene)]);
-        }
-        if (!engine || !scene || !renderer) return;
-        const now = performance.now();
-        const finished = engine.finished && scene.done;
+        if (!scene || (!painter && (!engine || !renderer))) return;
+        const finished = painter ? painter.finished : engine!.finished && scene.done;
         this.canvas.dataset.state = finished ? 'finished' : 'drawing';
-        if (now - this.shownStatistics < 250 && !finished) return;
+        const now = performance.now();
+        if (!painter && now - this.shownStatistics < 250 && !finished) return;
         this.shownStatistics = now;
-        const s = engine.statistics;
-        this.canvas.dataset.samples = String(s.samples);
-        fillFacts(byId('statistics'), [
-            ['Rays', s.raysPerSecond > 0 ? `${shortCount(s.raysPerSecond)} a second` : 'at rest'],
-            ['Picture', `${s.width} × ${s.height}, ${s.samples} ${s.samples === 1 ? 'sample' : 'samples'}`],
-            ['Frames', s.framesPerSecond > 0 ? `${s.framesPerSecond} a second` : 'at rest'],
-            ['GPU memory', `${megabytes(renderer.words?.bytes ?? 0)} scene, ${megabytes(s.bytes)} pictures`],
-            ...this.sceneFacts(scene),
-            ['GPU', renderer.name],
-        ]);
+        this.canvas.dataset.samples = String(painter ? painter.frames : engine!.statistics.samples);
+        const facts = painter ? painterFacts(painter) : engineFacts(engine!.statistics, renderer!.sceneBytes);
+        const gpu: [string, string][] = painter ? [] : [['GPU', renderer!.name]];
+        fillFacts(byId('statistics'), [...facts, ...sceneFacts(scene), ...gpu]);
     }
-
-    private sceneFacts({ metadata }: Scene): [string, string][] {
-        const resolution = 2 ** metadata.grid.depth;
-        return [
-            ['Resolution', `${resolution} × ${resolution} × ${resolution}`],
-            ['Voxels', metadata.voxels.toLocaleString('en')],
-            ['Triangles', metadata.triangles.toLocaleString('en')],
-            ['DAG', megabytes(4 * metadata.words)],
-            ['Bits a voxel', metadata.voxels > 0 ? rounded((32 * metadata.words) / metadata.voxels) : '0'],
-        ];
-    }
-
-    private notice(title: string, text: string, help = ''): void {
-        byId('notice').hidden = false;
-        byId('notice-title').textContent = title;
-        byId('notice-text').textContent = text;
-        byId('notice-help').textContent = help;
-        byId('loading').hidden = true;
-    }
-
-    private toast(text: string, milliseconds = 2500): void {
-        const toast = byId('toast');
-        toast.textContent = text;
-        toast.classList.add('shown');
-        clearTimeout(this.toastTimer);
-        this.toastTimer = window.setTimeout(() => toast.classList.remove('shown'), milliseconds);
-    }
-}
-
-function storedTheme(): string {
-    let stored: string | null = null;
-    try {
-        stored = localStorage.getItem('octavo-theme');
-    } catch {
-        // As if it had none.
-    }
-    if (stored === 'light' || stored === 'dark') return stored;
-    return matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 }
 
 /** Nothing that rays depend on has changed. */

@@ -14,6 +14,7 @@ export interface Wish {
     ambient: boolean;
     reach: number; // world units
     smooth: boolean;
+    stored: boolean; // by the light of the file's cells
     light: number;
     azimuth: number; // of the sun; radians
     elevation: number;
@@ -26,6 +27,8 @@ export interface Found {
     height: number;
     face: number;
     time: number;
+    albedo?: [number, number, number]; // linear
+    emission?: [number, number, number];
 }
 
 /** Takes the frames out of an answer: each comes behind its length in four bytes. */

@@ -70,6 +70,18 @@ std::optional<Rgb8> Attributes::color(const uvec3& path, int level, const vec3& 
     return count == 1 ? last : mean_color(sum, static_cast<float>(count));
 }
 
+std::optional<vec3> Attributes::albedo(const uvec3& path, int level, const vec3& towards) const {
+    if (!has_color()) return std::nullopt;
+    vec3 sum(0.0f);
+    int count = 0;
+    for_some_cells(path, level, [&](std::uint64_t cell) {
+        sum += linear_from_srgb8(color(cell, towards));
+        ++count;
+    });
+    if (count == 0) return std::nullopt;
+    return sum / static_cast<float>(count);
+}
+
 std::optional<vec3> Attributes::emission(const uvec3& path, int level, const vec3& towards) const {
     if (!has_emission()) return std::nullopt;
     vec3 sum(0.0f);

@@ -68,6 +68,9 @@ public:
     /// @param path   integer coordinates at `level`, as a Hit has them
     [[nodiscard]] std::optional<Rgb8> color(const uvec3& path, int level,
                                             const vec3& towards = vec3(0.0f)) const;
+    /// The same in linear light, an average without the rounding to 8 bits.
+    [[nodiscard]] std::optional<vec3> albedo(const uvec3& path, int level,
+                                             const vec3& towards = vec3(0.0f)) const;
     [[nodiscard]] std::optional<vec3> emission(const uvec3& path, int level,
                                                const vec3& towards = vec3(0.0f)) const;
     [[nodiscard]] std::optional<vec3> normal(const uvec3& path, int level,

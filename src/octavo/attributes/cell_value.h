@@ -32,4 +32,11 @@ OCTAVO_FN uint cell_value(ValueView values, uint cell) {
     return value_bits(values, block + 1u, index * width, width);
 }
 
+// RGB9E5, see encodings.h. The power of two is made of its bits, so that it is exact everywhere.
+OCTAVO_FN vec3 unpack_rgb9e5(uint value) {
+    float scale = uintBitsToFloat(((value >> 27) + 103u) << 23);
+    return scale *
+           vec3(float(value & 511u), float((value >> 9) & 511u), float((value >> 18) & 511u));
+}
+
 OCTAVO_SHARED_END

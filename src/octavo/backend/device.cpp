@@ -136,10 +136,16 @@ DeviceList list_devices() {
     return all;
 }
 
+void check(std::size_t points, std::size_t normals, const PointLooks& out) {
+    const auto fits = [&](std::span<vec3> array) {
+        return array.empty() || array.size() == points;
+    };
+    if (normals != points || !fits(out.albedo) || !fits(out.emission) || !fits(out.light))
+        throw Error(Errc::bad_argument, "the arrays of a G-buffer differ in length");
+}
+
 std::string only_on_cpu(const RenderOptions& options) {
     if (options.primary) return "primary hits from triangles";
-    if (options.attributes != nullptr) return "colours of cells";
-    if (options.sky) return "a sky of its own";
     return {};
 }
 

@@ -3,11 +3,33 @@
 
 #include <algorithm>
 
+#include "octavo/core/error.h"
+
 namespace octavo {
 namespace {
 
 /// Points that are worked on at once: they fill any GPU, and bound the scratch memory.
 constexpr std::uint64_t kPointsAtOnce = 1 << 19;
+
+/// Sets what the points of a G-buffer are read by.
+void set_gbuffer(shared::PixelJob& job, const shared::DagView& dag, const Grid& grid,
+                 const DeviceGBuffer& gbuffer) {
+    job.dag = dag;
+    job.grid_origin_high = vec3(grid.origin);
+    job.grid_origin_low = vec3(grid.origin - dvec3(job.grid_origin_high));
+    job.voxels_per_unit = static_cast<float>(1.0 / grid.voxel_size);
+    job.bias = 1.0f;
+    job.position_stride = gbuffer.position_stride;
+    job.normal_stride = gbuffer.normal_stride;
+}
+
+/// From which of its points on.
+void set_first_point(shared::PixelJob& job, const DeviceGBuffer& gbuffer, std::uint64_t first) {
+    const auto offset = static_cast<std::ptrdiff_t>(first);
+    job.first_point = static_cast<std::uint32_t>(first);
+    job.positions.at = const_cast<float*>(gbuffer.positions) + offset * gbuffer.position_stride;
+    job.normals.at = const_cast<float*>(gbuffer.normals) + offset * gbuffer.normal_stride;
+}
 
 }  // namespace
 
@@ -20,17 +42,12 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
     const DeviceArray<shared::UintArray> sky_seen(queue, most);
     const DeviceArray<shared::LightArray> lamp_seen(queue, most);
     shared::PixelJob job{};
-    job.dag = dag;
+    set_gbuffer(job, dag, grid, gbuffer);
     job.points = points.get();
     job.sky_seen = sky_seen.get();
     job.lamp_seen = lamp_seen.get();
     job.frame = options.frame;
-    job.grid_origin_high = vec3(grid.origin);
-    job.grid_origin_low = vec3(grid.origin - dvec3(job.grid_origin_high));
-    job.voxels_per_unit = static_cast<float>(1.0 / grid.voxel_size);
     job.bias = static_cast<float>(options.bias);
-    job.position_stride = gbuffer.position_stride;
-    job.normal_stride = gbuffer.normal_stride;
     job.sky_rays = options.ao_samples;
     job.sky_radius = static_cast<float>(options.ao_radius / grid.voxel_size);
     job.sky_stop.cone = static_cast<float>(options.ao_cone);
@@ -41,9 +58,7 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
     for (std::uint64_t first = 0; first < gbuffer.points; first += most) {
         const std::uint64_t some = std::min(most, gbuffer.points - first);
         const auto offset = static_cast<std::ptrdiff_t>(first);
-        job.first_point = static_cast<std::uint32_t>(first);
-        job.positions.at = const_cast<float*>(gbuffer.positions) + offset * gbuffer.position_stride;
-        job.normals.at = const_cast<float*>(gbuffer.normals) + offset * gbuffer.normal_stride;
+        set_first_point(job, gbuffer, first);
         queue.run(Pass::gbuffer, job, some);
         if (ambient != nullptr && options.ao_samples > 0) {
             job.ambient.at = ambient + offset;
@@ -61,6 +76,69 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
             });
             queue.run(Pass::shadow_out, job, some);
         }
+    }
+}
+
+GpuModel::GpuModel(PassQueue& queue, const Dag& model, const Attributes& attributes,
+                   const CellLight& cell_light)
+    : words_(queue, model.words()) {
+    dag = {words_.get().at, model.empty() ? 0 : model.depth()};
+    if (attributes.empty() || model.empty()) return;
+    if (!attributes.cells().fits_32_bits())
+        throw Error(Errc::unsupported,
+                    "a GPU shows less than 2^32 coloured cells; lower the attribute resolution");
+    using Channel = Attributes::Channel;
+    const auto upload = [&](std::size_t i, Channel which) {
+        channels_[i] = DeviceWords(queue, attributes.channel(which).words());
+        return shared::ValueView{channels_[i].get()};
+    };
+    sums_ = DeviceWords(queue, attributes.cells().sums());
+    looks.cells = {sums_.get(), attributes.level()};
+    looks.color = upload(0, Channel::color);
+    looks.back = upload(1, Channel::back);
+    looks.emission = upload(2, Channel::emission);
+    looks.back_emission = upload(3, Channel::back_emission);
+    looks.has = shared::channels_of(attributes);
+    has_looks = true;
+    if (cell_light.empty()) return;
+    light_ = DeviceWords(queue, cell_light.words());
+    light = {light_.get()};
+    has_light = true;
+}
+
+void queue_looks(PassQueue& queue, const GpuModel& model, const Grid& grid,
+                 const DeviceGBuffer& gbuffer, const DevicePointLooks& out) {
+    if (!model.has_looks)
+        throw Error(Errc::bad_argument, "the DAG was uploaded without attributes");
+    if (out.light != nullptr && !model.has_light)
+        throw Error(Errc::bad_argument, "the DAG was uploaded without stored light");
+    const std::uint64_t most = std::min(kPointsAtOnce, gbuffer.points);
+    if (most == 0) return;
+    const DeviceArray<shared::PointArray> points(queue, most);
+    const DeviceArray<shared::UintArray> sky_seen(queue, most);
+    const DeviceArray<shared::LightArray> lamp_seen(queue, most);
+    shared::PixelJob job{};
+    set_gbuffer(job, model.dag, grid, gbuffer);
+    job.points = points.get();
+    job.sky_seen = sky_seen.get();
+    job.lamp_seen = lamp_seen.get();
+    job.looks = model.looks;
+    job.cell_light = model.light;
+    job.wanted = (out.albedo != nullptr ? shared::kWantAlbedo : 0) |
+                 (out.emission != nullptr ? shared::kWantEmission : 0) |
+                 (out.light != nullptr ? shared::kWantLight : 0);
+    for (std::uint64_t first = 0; first < gbuffer.points; first += most) {
+        const std::uint64_t some = std::min(most, gbuffer.points - first);
+        const auto part = [&](float* all) {
+            return shared::FloatArray{all == nullptr ? nullptr : all + 3 * first};
+        };
+        set_first_point(job, gbuffer, first);
+        job.point_albedo = part(out.albedo);
+        job.point_emission = part(out.emission);
+        job.point_light = part(out.light);
+        queue.run(Pass::gbuffer, job, some);
+        queue.run(Pass::gbuffer_looks, job, some);
+        queue.cut();
     }
 }
 

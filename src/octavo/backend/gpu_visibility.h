@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 
+#include "octavo/attributes/attributes.h"
+#include "octavo/attributes/cell_light.h"
 #include "octavo/backend/pass_queue.h"
 #include "octavo/core/grid.h"
 #include "octavo/light/lamp.h"
@@ -53,5 +56,37 @@ struct DeviceGBuffer {
 void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& grid,
                       const DeviceGBuffer& gbuffer, const GpuLamp* lamp,
                       const VisibilityOptions& options, float* shadow, float* ambient);
+
+/// A DAG on a device, with what its cells look like and their light where there are any.
+struct GpuModel {
+    /// @throws Error  unsupported where there are 2^32 cells or more
+    GpuModel(PassQueue& queue, const Dag& dag, const Attributes& attributes,
+             const CellLight& light);
+
+    shared::DagView dag;
+    shared::CellLooks looks{};
+    shared::LightView light{};
+    bool has_looks = false;
+    bool has_light = false;
+
+private:
+    DeviceWords words_;
+    DeviceWords sums_;
+    std::array<DeviceWords, 4> channels_;
+    DeviceWords light_;
+};
+
+/// Three floats for each point, linear light, on a device; null where it is not asked for. As
+/// PointLooks.
+struct DevicePointLooks {
+    float* albedo = nullptr;
+    float* emission = nullptr;
+    float* light = nullptr;
+};
+
+/// Asks a queue for what the cells at a G-buffer's points look like. Returns before it is done.
+/// @throws Error  bad_argument where what is asked for is not in the model
+void queue_looks(PassQueue& queue, const GpuModel& model, const Grid& grid,
+                 const DeviceGBuffer& gbuffer, const DevicePointLooks& out);
 
 }  // namespace octavo

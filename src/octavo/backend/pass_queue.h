@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "octavo/backend/device.h"
+#include "octavo/light/cell_views.h"
+#include "octavo/light/sky.h"
 #include "octavo/render/effects.h"
 
 #include "octavo/backend/passes.h"
@@ -30,8 +32,11 @@ enum class Pass {
     shade,
     ambient_out,
     shadow_out,
+    looks,
+    cached,
+    gbuffer_looks,
 };
-inline constexpr int kPasses = 12;
+inline constexpr int kPasses = 15;
 
 /// Threads of a group: the 8x8 pixels of a tile.
 inline constexpr std::uint64_t kGroupThreads = 64;
@@ -57,10 +62,10 @@ public:
     /// Copies from the device, after the passes asked for so far.
     virtual void read(std::uint64_t address, std::span<std::byte> bytes) = 0;
 
-    /// Puts the words of a DAG on the device.
-    [[nodiscard]] virtual shared::DagView upload(std::span<const std::uint32_t> words,
-                                                 int depth) = 0;
-    virtual void release(const shared::DagView& dag) noexcept = 0;
+    /// Puts words that threads read one by one on the device: as one array, or in pages where that
+    /// would be larger than the device allows. Of no words: nothing.
+    [[nodiscard]] virtual shared::WordArray upload(std::span<const std::uint32_t> words) = 0;
+    virtual void release(const shared::WordArray& words) noexcept = 0;
 
     /// Asks for threads 0 to `threads` - 1 of a pass; returns before they run.
     virtual void run(Pass pass, const shared::RayJob& job, std::uint64_t threads) = 0;
@@ -72,6 +77,29 @@ public:
 
     /// Waits until all that was asked for is done.
     virtual void finish() = 0;
+};
+
+/// Words on a device that threads only read: of a DAG, of what its cells look like.
+class DeviceWords {
+public:
+    DeviceWords() = default;
+    DeviceWords(PassQueue& queue, std::span<const std::uint32_t> words)
+        : queue_(&queue), words_(queue.upload(words)) {}
+    DeviceWords(DeviceWords&& other) noexcept { *this = std::move(other); }
+    DeviceWords& operator=(DeviceWords&& other) noexcept {
+        std::swap(queue_, other.queue_);
+        std::swap(words_, other.words_);
+        return *this;
+    }
+    ~DeviceWords() {
+        if (queue_ && words_.at) queue_->release(words_);
+    }
+
+    [[nodiscard]] const shared::WordArray& get() const { return words_; }
+
+private:
+    PassQueue* queue_ = nullptr;
+    shared::WordArray words_;
 };
 
 /// An array on a device, of what OCTAVO_ARRAY declares.

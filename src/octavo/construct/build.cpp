@@ -55,8 +55,6 @@ std::uint64_t triangle_memory(const Scene& scene, int tiles_depth) {
 /// How many bytes of triangles to sort at a time on disk; 0: they have room in memory.
 std::uint64_t triangle_buffer(const Scene& scene, const BuildOptions& options, int tiles_depth) {
     if (options.scratch.empty()) return 0;
-    // A hole is looked up in its texture, so these triangles stay with their scene.
-    if (!CutOuts(scene, Grid()).empty()) return 0;
     if (options.spill.triangle_bytes != 0) return options.spill.triangle_bytes;
     if (options.max_memory_bytes == 0) return 0;
     const std::uint64_t resident = resident_bytes();

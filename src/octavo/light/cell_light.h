@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The light stored for cells, smoothed over them. Shared text: include after trace/traverse.h,
-// attributes/cell_rank.h and light/surface.h. A backend includes before it
+// attributes/cell_rank.h, cell_value.h and light/surface.h. A backend includes before it
 //     its own  struct LightView { ...; };                 see attributes/cell_light.h for the words
 //     and      uint light_load(LightView light, uint word);
 #pragma once
@@ -10,25 +10,19 @@ OCTAVO_SHARED_BEGIN
 
 const uint kHiddenLight = 0xf8000000u;
 
-// RGB9E5.
-OCTAVO_FN vec3 unpack_light(uint word) {
-    float scale = exp2(float(word >> 27) - 24.0f);
-    return scale * vec3(float(word & 511u), float((word >> 9) & 511u), float((word >> 18) & 511u));
-}
-
 // The light of the side of a cell that a ray met, which came from where `towards` points; any
 // length. A ray that runs along an edge of a wall may meet a side that is hidden: then that of the
 // sides that it could see, by how much they face it, and never of those behind, which may lie on
 // the wall's other side.
 OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 towards) {
     uint word = light_load(light, 6u * cell + uint(direction));
-    if (word != kHiddenLight) return unpack_light(word);
+    if (word != kHiddenLight) return unpack_rgb9e5(word);
     vec3 sum = vec3(0.0f);
     float weights = 0.0f;
     for (int axis = 0; axis < 3; axis += 1) {
         word = light_load(light, 6u * cell + uint(2 * axis + (towards[axis] > 0.0f ? 1 : 0)));
         if (word == kHiddenLight) continue;
-        sum += abs(towards[axis]) * unpack_light(word);
+        sum += abs(towards[axis]) * unpack_rgb9e5(word);
         weights += abs(towards[axis]);
     }
     return weights > 0.0f ? sum / weights : vec3(0.0f);
@@ -90,7 +84,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
                 ray.t_max = 1.0f;
                 if (trace_any(dag, ray, to_voxels)) continue;
             }
-            sums[axis] += weight * unpack_light(word);
+            sums[axis] += weight * unpack_rgb9e5(word);
             weights[axis] += weight;
         }
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // The rays from a point to a lamp of any kind, and the light that each brings. Shared text: include
-// after shadow.h and surface.h; not for GLSL ES, as a mesh's triangles are an array.
+// after shadow.h and surface.h. A backend includes before it lamp_triangle.h and
+//     its own  struct LampTriangles { ...; };                     all triangles of a lamp
+//     and      LampTriangle lamp_triangle(LampTriangles triangles, int number);
 #pragma once
 
 OCTAVO_SHARED_BEGIN
@@ -27,18 +29,6 @@ const uint kChoiceSeed = 0x1b56c4e9u;
 OCTAVO_FN float above_lamp() {
     return 1.75f;
 }
-
-struct LampTriangle {
-    ivec3 cell;  // a corner, cell + frac
-    vec3 frac;
-    vec3 u;  // to the others
-    vec3 v;
-    vec3 normal;        // unit length
-    vec3 middle;        // seen from the lamp's place
-    float squared;      // of a length: about the triangle's size
-    float area_so_far;  // of this and all triangles before it, square voxels
-};
-OCTAVO_ARRAY(LampTriangles, LampTriangle)
 
 // A light in a grid.
 struct PlacedLamp {
@@ -144,7 +134,7 @@ OCTAVO_FN int triangle_at_area(PlacedLamp lamp, float area) {
     int high = lamp.triangle_count - 1;
     while (low < high) {
         int middle = (low + high) / 2;
-        if (lamp.triangles.at[middle].area_so_far > area)
+        if (lamp_triangle(lamp.triangles, middle).area_so_far > area)
             high = middle;
         else
             low = middle + 1;
@@ -165,8 +155,9 @@ OCTAVO_FN LampSample mesh_sample(PlacedLamp lamp, SeenPlacedLamp seen, int i, ui
     float weight = 1.0f;
     for (int k = 0; k < kCandidates; k += 1) {
         int at = triangle_at_area(lamp, lamp.area * ((place + float(k)) / float(kCandidates)));
-        vec3 way = to_lamp + lamp.triangles.at[at].middle;
-        float by_distance = 1.0f / (dot(way, way) + lamp.triangles.at[at].squared);
+        LampTriangle candidate = lamp_triangle(lamp.triangles, at);
+        vec3 way = to_lamp + candidate.middle;
+        float by_distance = 1.0f / (dot(way, way) + candidate.squared);
         sum += by_distance;
         // The random number is used up bit by bit: what is left of it is even in [0, 1) again.
         float part = by_distance / sum;
@@ -178,7 +169,7 @@ OCTAVO_FN LampSample mesh_sample(PlacedLamp lamp, SeenPlacedLamp seen, int i, ui
             left = (left - part) / (1.0f - part);
         }
     }
-    LampTriangle triangle = lamp.triangles.at[chosen];
+    LampTriangle triangle = lamp_triangle(lamp.triangles, chosen);
     vec3 way = way_to(seen.start, triangle.cell, triangle.frac);
     vec3 normal = dot(way, triangle.normal) > 0.0f ? -triangle.normal : triangle.normal;
     LampPatch target;

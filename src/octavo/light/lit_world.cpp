@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
-#include "octavo/light/cell_light_view.h"
+#include "octavo/light/cell_views.h"
 #include "octavo/light/point_text.h"
 
 namespace octavo {

@@ -103,7 +103,8 @@ void gather(const shared::DagView& dag, std::uint32_t word, std::uint32_t inside
     }
 }
 
-/// The empty cells that are connected to one cell through faces, inside the block.
+/// The empty cells that are connected to one cell through faces, inside the block; and that cell,
+/// which is full where a large cell has no open face.
 Block connected_space(const Block& occupied, const ivec3& from) {
     Block space{};
     space[static_cast<std::size_t>(from.z)].set(from.x, from.y);
@@ -116,8 +117,9 @@ Block connected_space(const Block& occupied, const ivec3& from) {
             const Layer down = row_down(s);
             space[z] = each_word([&](std::size_t i) {
                 const std::uint64_t w = s.words[i];
-                return (w | w << 1 | w >> 1 | up.words[i] | down.words[i] | neighbour.words[i]) &
-                       kAllCells.words[i] & ~occupied[z].words[i];
+                const std::uint64_t wide =
+                    w << 1 | w >> 1 | up.words[i] | down.words[i] | neighbour.words[i];
+                return w | (wide & kAllCells.words[i] & ~occupied[z].words[i]);
             });
             grew |= space[z] != s;
         };

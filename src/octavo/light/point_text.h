@@ -10,5 +10,16 @@
 #include "octavo/light/shadow.h"
 #include "octavo/light/surface.h"
 
+#include "octavo/light/lamp_triangle.h"
+
+namespace octavo::shared {
+
+OCTAVO_ARRAY(LampTriangles, LampTriangle)
+OCTAVO_FN LampTriangle lamp_triangle(LampTriangles triangles, int number) {
+    return triangles.at[number];
+}
+
+}  // namespace octavo::shared
+
 #include "octavo/light/lamp_light.h"
 #include "octavo/light/smooth_normal.h"

@@ -43,21 +43,31 @@ int find_interval(const float* sums, int count, float x) {
 
 }  // namespace
 
+shared::SkyView Sky::black_view() {
+    shared::SkyView view{};
+    view.kind = shared::kSkyBlack;
+    view.factor = 1.0f;
+    view.up = vec3(0.0f, 1.0f, 0.0f);
+    view.right = vec3(-1.0f, 0.0f, 0.0f);
+    view.front = vec3(0.0f, 0.0f, 1.0f);
+    return view;
+}
+
 Sky Sky::constant(const vec3& radiance) {
     Sky sky;
-    sky.kind_ = radiance == vec3(0.0f) ? Kind::black : Kind::constant;
-    sky.zenith_ = sky.horizon_ = sky.ground_ = radiance;
+    sky.view_.kind = radiance == vec3(0.0f) ? shared::kSkyBlack : shared::kSkyConstant;
+    sky.view_.zenith = sky.view_.horizon = sky.view_.ground = radiance;
     sky.find_harmonics();
     return sky;
 }
 
 Sky Sky::gradient(const vec3& zenith, const vec3& horizon, const vec3& ground, const dvec3& up) {
     Sky sky;
-    sky.kind_ = Kind::gradient;
-    sky.zenith_ = zenith;
-    sky.horizon_ = horizon;
-    sky.ground_ = ground;
-    sky.up_ = vec3(glm::normalize(up));
+    sky.view_.kind = shared::kSkyGradient;
+    sky.view_.zenith = zenith;
+    sky.view_.horizon = horizon;
+    sky.view_.ground = ground;
+    sky.view_.up = vec3(glm::normalize(up));
     sky.find_harmonics();
     return sky;
 }
@@ -72,16 +82,16 @@ Sky Sky::image(SkyImage image, const dvec3& up, double turn) {
             static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
         throw Error(Errc::bad_argument, "a sky's image has no pixels");
     Sky sky;
-    sky.kind_ = Kind::image;
-    sky.up_ = vec3(glm::normalize(up));
+    sky.view_.kind = shared::kSkyImage;
+    sky.view_.up = vec3(glm::normalize(up));
     // The front is the nearest thing to +z at right angles to up.
     dvec3 front(0.0, 0.0, 1.0);
-    const dvec3 u(sky.up_);
+    const dvec3 u(sky.view_.up);
     if (std::abs(u.z) > 0.99) front = {1.0, 0.0, 0.0};
     front = glm::normalize(front - glm::dot(front, u) * u);
     const dvec3 right = glm::cross(front, u);
-    sky.front_ = vec3(std::cos(turn) * front + std::sin(turn) * right);
-    sky.right_ = vec3(std::cos(turn) * right - std::sin(turn) * front);
+    sky.view_.front = vec3(std::cos(turn) * front + std::sin(turn) * right);
+    sky.view_.right = vec3(std::cos(turn) * right - std::sin(turn) * front);
 
     auto picture = std::make_shared<Picture>();
     const int w = image.width, h = image.height;
@@ -124,6 +134,9 @@ Sky Sky::image(SkyImage image, const dvec3& up, double turn) {
     const auto pixels = static_cast<float>(image.color.size());
     for (float& d : picture->density) d *= pixels / static_cast<float>(total);
     picture->image = std::move(image);
+    sky.view_.width = w;
+    sky.view_.height = h;
+    sky.view_.pixels.at = picture->image.color.data();
     sky.picture_ = std::move(picture);
     sky.find_harmonics();
     return sky;
@@ -131,48 +144,18 @@ Sky Sky::image(SkyImage image, const dvec3& up, double turn) {
 
 Sky Sky::scaled(float factor) const {
     Sky sky = *this;
-    sky.factor_ *= factor;
-    for (vec3& c : sky.harmonics_) c *= factor;
-    if (factor == 0.0f) sky.kind_ = Kind::black;
+    sky.view_.factor *= factor;
+    for (vec3& c : sky.view_.harmonics) c *= factor;
+    if (factor == 0.0f) sky.view_.kind = shared::kSkyBlack;
     return sky;
 }
 
-/// Where a direction lies in the image: (0, 0) to (1, 1), y downwards.
-vec2 Sky::place(const vec3& direction) const {
-    const vec3 d = glm::normalize(direction);
-    const float height = glm::clamp(glm::dot(d, up_), -1.0f, 1.0f);
-    const float angle = std::atan2(glm::dot(d, right_), glm::dot(d, front_));
-    return {glm::clamp(0.5f + angle / (2.0f * kPi), 0.0f, 1.0f), std::acos(height) / kPi};
-}
-
 vec3 Sky::radiance(const vec3& direction) const {
-    switch (kind_) {
-        case Kind::black:
-            return vec3(0.0f);
-        case Kind::constant:
-            return factor_ * zenith_;
-        case Kind::gradient: {
-            const float height = glm::dot(glm::normalize(direction), up_);
-            if (height < 0.0f)
-                return factor_ * glm::mix(horizon_, ground_, std::min(1.0f, std::sqrt(-height)));
-            return factor_ * glm::mix(horizon_, zenith_, std::min(1.0f, std::pow(height, 0.6f)));
-        }
-        case Kind::image:
-            break;
-    }
-    const SkyImage& image = picture_->image;
-    const vec2 at = place(direction);
-    const int x =
-        std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
-    const int y =
-        std::min(static_cast<int>(at.y * static_cast<float>(image.height)), image.height - 1);
-    return factor_ *
-           image.color[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                       static_cast<std::size_t>(x)];
+    return shared::sky_radiance(view_, direction);
 }
 
 SkySample Sky::sample(const vec2& square) const {
-    if (kind_ != Kind::image) {
+    if (!uneven()) {
         const float z = 1.0f - 2.0f * square.x;
         const float radius = std::sqrt(std::max(0.0f, 1.0f - z * z));
         const float angle = 2.0f * kPi * square.y;
@@ -193,39 +176,25 @@ SkySample Sky::sample(const vec2& square) const {
         (static_cast<float>(y) + glm::clamp(in_y, 0.0f, 1.0f)) / static_cast<float>(image.height);
     const float azimuth = 2.0f * kPi * (u - 0.5f);
     const float sine = std::sin(kPi * v);
-    const vec3 direction =
-        std::cos(kPi * v) * up_ + sine * (std::cos(azimuth) * front_ + std::sin(azimuth) * right_);
+    const vec3 direction = std::cos(kPi * v) * view_.up + sine * (std::cos(azimuth) * view_.front +
+                                                                  std::sin(azimuth) * view_.right);
     return {direction, density(direction)};
 }
 
 float Sky::density(const vec3& direction) const {
-    if (kind_ != Kind::image) return 1.0f / (4.0f * kPi);
-    const SkyImage& image = picture_->image;
-    const vec2 at = place(direction);
-    const int x =
-        std::min(static_cast<int>(at.x * static_cast<float>(image.width)), image.width - 1);
-    const int y =
-        std::min(static_cast<int>(at.y * static_cast<float>(image.height)), image.height - 1);
+    if (!uneven()) return 1.0f / (4.0f * kPi);
+    const vec2 at = sky_place(view_, direction);
     const float sine = std::max(std::sin(kPi * at.y), 1e-6f);
-    return picture_->density[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                             static_cast<std::size_t>(x)] /
+    return picture_->density[static_cast<std::size_t>(sky_pixel_at(view_, at))] /
            (2.0f * kPi * kPi * sine);
 }
 
 vec3 Sky::diffuse(const vec3& normal) const {
-    if (kind_ == Kind::black) return vec3(0.0f);
-    // The cosine's own harmonics over pi: 1, 2/3, 1/4.
-    constexpr std::array<float, 9> kCosine = {1.0f,  2.0f / 3, 2.0f / 3, 2.0f / 3, 0.25f,
-                                              0.25f, 0.25f,    0.25f,    0.25f};
-    const auto basis = harmonics(normal);
-    vec3 sum(0.0f);
-    for (std::size_t i = 0; i < 9; ++i) sum += kCosine[i] * basis[i] * harmonics_[i];
-    return glm::max(sum, vec3(0.0f));
+    return shared::diffuse_sky(view_, normal);
 }
 
 void Sky::find_harmonics() {
     constexpr int kRows = 64;  // evenly spread by height, as a sphere's area is
-    harmonics_ = {};
     const int rows = picture_ ? std::max(kRows, picture_->image.height) : kRows;
     const int columns = 2 * rows;
     std::array<dvec3, 9> sums{};
@@ -235,13 +204,14 @@ void Sky::find_harmonics() {
             const float radius = std::sqrt(1.0f - z * z);
             const float angle =
                 2.0f * kPi * (static_cast<float>(k) + 0.5f) / static_cast<float>(columns);
-            const vec3 d = z * up_ + radius * (std::cos(angle) * front_ + std::sin(angle) * right_);
+            const vec3 d = z * view_.up +
+                           radius * (std::cos(angle) * view_.front + std::sin(angle) * view_.right);
             const auto basis = harmonics(d);
             const dvec3 light(radiance(d));
             for (std::size_t n = 0; n < 9; ++n) sums[n] += light * static_cast<double>(basis[n]);
         }
     for (std::size_t n = 0; n < 9; ++n)
-        harmonics_[n] = vec3(sums[n] * (4.0 * std::numbers::pi / (rows * columns)));
+        view_.harmonics[n] = vec3(sums[n] * (4.0 * std::numbers::pi / (rows * columns)));
 }
 
 }  // namespace octavo

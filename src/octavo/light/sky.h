@@ -4,9 +4,24 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "octavo/core/vec.h"
+#include "octavo/trace/shared_text.h"
+
+namespace octavo::shared {
+
+struct SkyPixels {
+    const vec3* at = nullptr;
+};
+OCTAVO_FN vec3 sky_pixel(SkyPixels pixels, int number) {
+    return pixels.at[number];
+}
+
+}  // namespace octavo::shared
+
+#include "octavo/light/sky_radiance.h"
 
 namespace octavo {
 
@@ -54,11 +69,11 @@ public:
     /// @param direction  any length but zero
     [[nodiscard]] vec3 radiance(const vec3& direction) const;
 
-    [[nodiscard]] bool black() const { return kind_ == Kind::black; }
+    [[nodiscard]] bool black() const { return view_.kind == shared::kSkyBlack; }
 
     /// Whether rays should be sent by sample() too: the sky has bright places, and rays spread by
     /// the cosine alone would miss them.
-    [[nodiscard]] bool uneven() const { return kind_ == Kind::image; }
+    [[nodiscard]] bool uneven() const { return view_.kind == shared::kSkyImage; }
 
     /// A direction chosen by the brightness of what is there: of pixels of an image, after Pharr,
     /// Jakob, Humphreys, "Physically Based Rendering", 2016, section 14.2.4. Any other sky: evenly.
@@ -72,9 +87,14 @@ public:
     /// Irradiance Environment Maps", 2001.
     [[nodiscard]] vec3 diffuse(const vec3& normal) const;
 
-private:
-    enum class Kind { black, constant, gradient, image };
+    /// For the shared text; the sky, or a copy of it, must outlive the view.
+    [[nodiscard]] const shared::SkyView& view() const { return view_; }
+    /// The picture of an image; none for other skies.
+    [[nodiscard]] std::span<const vec3> pixels() const {
+        return picture_ ? std::span<const vec3>(picture_->image.color) : std::span<const vec3>();
+    }
 
+private:
     struct Picture {  // of a sphere, with sums for the choice of a pixel
         SkyImage image;
         std::vector<float> column_sums;  // height x (width + 1), each row from 0 to 1
@@ -82,15 +102,11 @@ private:
         std::vector<float> density;      // of each pixel, per unit square
     };
 
+    [[nodiscard]] static shared::SkyView black_view();
     void find_harmonics();
-    [[nodiscard]] vec2 place(const vec3& direction) const;
 
-    Kind kind_ = Kind::black;
-    vec3 zenith_{0.0f}, horizon_{0.0f}, ground_{0.0f};
-    vec3 up_{0.0f, 1.0f, 0.0f}, right_{-1.0f, 0.0f, 0.0f}, front_{0.0f, 0.0f, 1.0f};
-    float factor_ = 1.0f;
+    shared::SkyView view_ = black_view();
     std::shared_ptr<const Picture> picture_;
-    std::array<vec3, 9> harmonics_{};
 };
 
 }  // namespace octavo

@@ -222,15 +222,14 @@ private:
             const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
                              static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
             if (const auto cell = looks.cell_at(at)) {
-                w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
+                if (looks.has_color()) w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
                 w.emission = looks.emission(*cell, -ray.dir);
             }
             return;
         }
         const shared::GridHit hit = move_to_open_face(dag_, ray, tile.hits[k]);
         const int level = whole_dag_.depth() - hit.height;
-        if (const auto color = looks.color(hit.path, level, -ray.dir))
-            w.albedo = linear_from_srgb8(*color);
+        if (const auto albedo = looks.albedo(hit.path, level, -ray.dir)) w.albedo = *albedo;
         w.emission = looks.emission(hit.path, level, -ray.dir).value_or(vec3(0.0f));
     }
 

@@ -13,7 +13,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
-#include "octavo/light/cell_light_view.h"
+#include "octavo/light/cell_views.h"
 #include "octavo/light/gather.h"
 #include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
@@ -33,7 +33,8 @@ public:
     LitPicture(const LitScene& scene, Lighting lighting, const RenderOptions& options)
         : lighting_(lighting),
           options_(options),
-          camera_(options.camera ? *options.camera : framing_camera(scene, options)),
+          camera_(options.camera.value_or(
+              framing_camera(scene.objects.front().dag, scene.objects.front().grid, options))),
           world_(scene, camera_.eye),
           rays_(camera_, world_.instances().grid(), options.width, options.height) {
         counts_ = {options.shadow_samples, std::max(1, options.ao_samples),
@@ -90,19 +91,12 @@ private:
         vec3 sum;
     };
 
-    static Camera framing_camera(const LitScene& scene, const RenderOptions& options) {
-        const LitObject& first = scene.objects.front();
-        const Box content = content_bounds(first.dag, first.grid);
-        return default_camera(content.empty() ? first.grid.bounds() : content, options.up,
-                              static_cast<double>(options.width) / options.height);
-    }
-
     void write_depths(const std::vector<Pixel>& pixels, const std::vector<InstanceHit>& hits,
                       Image& image) const {
-        const auto voxel = static_cast<float>(world_.instances().grid().voxel_size);
+        const double voxel = world_.instances().grid().voxel_size;
         for (std::size_t k = 0; k < pixels.size(); ++k)
             image.depth[image.index(pixels[k].at.x, pixels[k].at.y)] =
-                hits[k] ? (rays_.t_before() + hits[k].hit.t) * voxel
+                hits[k] ? static_cast<float>((rays_.t_before() + hits[k].hit.t) * voxel)
                         : std::numeric_limits<float>::infinity();
     }
 
@@ -120,9 +114,8 @@ private:
             if (options_.smooth_normals)
                 before = smoothed_point(dag, hit.ray, open,
                                         normals[hit.object].get(dag, hit.ray, open), 0);
-            const vec3 light =
-                cached_light(dag, shared::view(object.attributes.cells()),
-                             shared::view(object.light), surface, before, open.face);
+            const vec3 light = cached_light(dag, shared::view(object.attributes.cells()),
+                                            shared::view(object.light), surface, before, open.face);
             pixels[k].sum += world_.albedo(world_.side(hit)) * light;
         }
     }
@@ -200,20 +193,31 @@ private:
     GatherRays counts_;
 };
 
-void check(const LitScene& scene, Lighting lighting, const RenderOptions& o) {
+void check(const LitScene& scene, Lighting lighting, const RenderOptions& options) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
     if (scene.objects.empty()) refuse("a scene has 1 to 2^20 objects");
-    if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
-        refuse("a picture's sides are 1 to 65536 pixels");
-    if (o.samples < 1 || o.samples > 65536) refuse("samples per pixel are 1 to 65536");
-    if (o.ao_samples < 0 || o.ao_samples > 65536) refuse("rays around a point are 0 to 65536");
-    if (o.shadow_samples < 1 || o.shadow_samples > 65536) refuse("shadow samples are 1 to 65536");
+    check_lit(options);
     for (const LitObject& object : scene.objects)
         if (lighting == Lighting::cached && !object.dag.empty() && object.light.empty())
             refuse("an object has no stored light");
 }
 
 }  // namespace
+
+Camera framing_camera(const Dag& dag, const Grid& grid, const RenderOptions& options) {
+    const Box content = content_bounds(dag, grid);
+    return default_camera(content.empty() ? grid.bounds() : content, options.up,
+                          static_cast<double>(options.width) / options.height);
+}
+
+void check_lit(const RenderOptions& o) {
+    const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
+    if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
+        refuse("a picture's sides are 1 to 65536 pixels");
+    if (o.samples < 1 || o.samples > 65536) refuse("samples per pixel are 1 to 65536");
+    if (o.ao_samples < 0 || o.ao_samples > 65536) refuse("rays around a point are 0 to 65536");
+    if (o.shadow_samples < 1 || o.shadow_samples > 65536) refuse("shadow samples are 1 to 65536");
+}
 
 Image render_lit(const LitScene& scene, Lighting lighting, const RenderOptions& options) {
     check(scene, lighting, options);

@@ -79,6 +79,9 @@ public:
     /// The triangle with its holes. @return false where it has none
     [[nodiscard]] bool find(std::size_t scene_triangle, Triangle& out) const;
 
+    /// Gives back what find() needs. The triangles that it found stay good.
+    void forget_triangles() { maps_of_ = {}; }
+
     /// A number that differs where the holes do.
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
@@ -90,6 +93,15 @@ private:
     std::vector<OpacityMap> maps_;
     std::vector<std::uint32_t> maps_of_;  // for each triangle an index; or empty
     std::uint64_t hash_ = 0;
+};
+
+/// The holes of triangles that are known by a number of their own.
+class HoleLookup {
+public:
+    virtual ~HoleLookup() = default;
+
+    /// @return false where the triangle has none
+    [[nodiscard]] virtual bool find(std::size_t triangle, CutOuts::Triangle& out) const = 0;
 };
 
 }  // namespace octavo

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <type_traits>
 #include <utility>
 
+#include "octavo/core/error.h"
 #include "octavo/core/morton.h"
 #include "octavo/core/radix_sort.h"
 #include "octavo/voxelize/tile_rasterizer.h"
@@ -17,7 +19,7 @@ namespace {
 constexpr std::size_t kPieceTriangles = std::size_t{1} << 15;
 // A triangle can meet a million tiles, so few are asked about at once.
 constexpr std::uint32_t kTrianglesAtOnce = 32;
-constexpr std::size_t kRecordWords = 10;
+constexpr std::size_t kRecordWords = 11;
 constexpr std::size_t kBlockRecords = kSpillBlockWords / kRecordWords;
 // Rasterized at once: a tile may hold any number.
 constexpr std::size_t kBatch = 4096;
@@ -33,7 +35,53 @@ Scene piece_of(const Scene& scene, std::size_t begin, std::size_t end) {
     return piece;
 }
 
+static_assert(std::is_trivially_copyable_v<CutOuts::Triangle>);
+
 }  // namespace
+
+/// Triangles of one tile that are rasterized together.
+class SpilledTriangles::Batch final : public HoleLookup {
+public:
+    explicit Batch(const SpillFile* holes_file) : holes_file_(holes_file) {}
+
+    [[nodiscard]] std::size_t size() const { return corners_.size(); }
+    void add(const std::uint32_t* record) {
+        std::array<FixedPoint, 3> corners;
+        const std::uint32_t* word = record + 1;
+        for (FixedPoint& corner : corners) {
+            corner = {static_cast<std::int32_t>(word[0]), static_cast<std::int32_t>(word[1]),
+                      static_cast<std::int32_t>(word[2]), 0};
+            word += 3;
+        }
+        corners_.push_back(corners);
+        holes_.push_back(*word);
+    }
+
+    /// Empties the batch.
+    void rasterize(const FixedMesh::Frame& frame, std::uint32_t tile, int tile_depth,
+                   VoxelRule rule, TileBitmap& bitmap) {
+        std::vector<TileTriangle> pairs;
+        for (std::uint32_t i = 0; i < corners_.size(); ++i) pairs.push_back({tile, i});
+        const FixedMesh mesh(frame, std::move(corners_));
+        rasterize_tile(mesh, holes_file_ != nullptr ? this : nullptr, pairs, morton_decode(tile),
+                       tile_depth, rule, bitmap);
+        corners_.clear();
+        holes_.clear();
+    }
+
+    bool find(std::size_t triangle, CutOuts::Triangle& out) const override {
+        const std::uint32_t holes = holes_[triangle];
+        if (holes == kNoHoles) return false;
+        if (!holes_file_->read(std::uint64_t{holes} * sizeof out, &out, sizeof out))
+            throw Error(Errc::io, holes_file_->path(), "the scratch file is shorter than written");
+        return true;
+    }
+
+private:
+    const SpillFile* holes_file_;
+    std::vector<std::array<FixedPoint, 3>> corners_;
+    std::vector<std::uint32_t> holes_;
+};
 
 SpilledTriangles::SpilledTriangles(const Scene& scene, const Grid& grid, VoxelRule rule,
                                    int tile_depth, const std::filesystem::path& file,
@@ -44,10 +92,16 @@ SpilledTriangles::SpilledTriangles(const Scene& scene, const Grid& grid, VoxelRu
       file_(file, SpillFile::Kind::temporary),
       // Sorting needs as much again.
       max_records_(std::max<std::uint64_t>(1024, buffer_bytes / 2 / sizeof(Record))),
+      cut_outs_(scene, grid),
       readers_([tile_depth] { return Reader(tile_depth); }) {
     const Box bounds = scene.bounds();
     const std::size_t count = scene.triangles.size();
     records_.reserve(max_records_);
+    if (!cut_outs_.empty()) {
+        std::filesystem::path holes = file;
+        holes += ".holes";
+        holes_file_ = std::make_unique<SpillFile>(holes, SpillFile::Kind::temporary);
+    }
     frame_ = FixedMesh(Scene(), grid, bounds).frame();
     for (std::size_t begin = 0; begin < count; begin += kPieceTriangles) {
         report(progress, {"sort triangles", begin, count, 0});
@@ -55,6 +109,7 @@ SpilledTriangles::SpilledTriangles(const Scene& scene, const Grid& grid, VoxelRu
     }
     write_run();
     records_ = {};
+    cut_outs_.forget_triangles();
     tiles_.shrink_to_fit();
 }
 
@@ -64,6 +119,20 @@ void SpilledTriangles::add_piece(const Scene& scene, std::size_t begin, std::siz
     const FixedMesh mesh(piece, grid, bounds);
     degenerate_ += mesh.degenerate_triangles();
     non_finite_ += mesh.non_finite_triangles();
+
+    std::vector<std::uint32_t> holes(end - begin, kNoHoles);  // of each triangle of the piece
+    if (holes_file_) {
+        std::vector<CutOuts::Triangle> found;
+        CutOuts::Triangle one;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!cut_outs_.find(i, one)) continue;
+            holes[i - begin] = hole_count_ + static_cast<std::uint32_t>(found.size());
+            found.push_back(one);
+        }
+        holes_file_->write(std::uint64_t{hole_count_} * sizeof one, found.data(),
+                           found.size() * sizeof one);
+        hole_count_ += static_cast<std::uint32_t>(found.size());
+    }
 
     std::vector<TileTriangle> pairs;
     const auto count = static_cast<std::uint32_t>(mesh.size());
@@ -76,7 +145,8 @@ void SpilledTriangles::add_piece(const Scene& scene, std::size_t begin, std::siz
             if (!mesh.corners(pair.triangle, c)) continue;
             records_.push_back(
                 {pair.tile,
-                 {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z}});
+                 {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z},
+                 holes[mesh.scene_triangle(pair.triangle)]});
             if (records_.size() == max_records_) write_run();
         }
     }
@@ -114,15 +184,10 @@ void SpilledTriangles::voxelize(std::size_t index, std::vector<LeafBlock>& leave
     Reader& reader = readers_.local();
     reader.open.resize(runs_.size());
     const auto tile = static_cast<std::uint32_t>(tiles_[index]);
-    const uvec3 position = morton_decode(tile);
 
-    std::vector<std::array<FixedPoint, 3>> batch;
+    Batch batch(holes_file_.get());
     const auto rasterize = [&] {
-        std::vector<TileTriangle> pairs;
-        for (std::uint32_t i = 0; i < batch.size(); ++i) pairs.push_back({tile, i});
-        const FixedMesh mesh(frame_, std::move(batch));
-        rasterize_tile(mesh, no_holes_, pairs, position, tile_depth_, rule_, reader.bitmap);
-        batch.clear();
+        batch.rasterize(frame_, tile, tile_depth_, rule_, reader.bitmap);
     };
 
     for (std::size_t r = 0; r < runs_.size(); ++r) {
@@ -151,20 +216,12 @@ void SpilledTriangles::voxelize(std::size_t index, std::vector<LeafBlock>& leave
                 }
             }
             for (; low < count && tile_of(low) == tile; ++low) {
-                std::array<FixedPoint, 3> corners;
-                const std::uint32_t* word = &open.words[low * kRecordWords + 1];
-                for (FixedPoint& corner : corners) {
-                    corner = {static_cast<std::int32_t>(word[0]),
-                              static_cast<std::int32_t>(word[1]),
-                              static_cast<std::int32_t>(word[2]), 0};
-                    word += 3;
-                }
-                batch.push_back(corners);
+                batch.add(&open.words[low * kRecordWords]);
                 if (batch.size() == kBatch) rasterize();
             }
         }
     }
-    if (!batch.empty()) rasterize();
+    if (batch.size() != 0) rasterize();
     reader.bitmap.take(leaves);
 }
 

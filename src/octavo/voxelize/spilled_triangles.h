@@ -22,7 +22,8 @@
 namespace octavo {
 
 /// A scene's triangles as voxels, as TriangleSource has them, from disk: the scene is not needed
-/// any more once this is made. Not for scenes with cut-outs, whose holes are looked up in textures.
+/// any more once this is made. Where triangles have holes, the textures' pixels that are solid stay
+/// in memory, and how each such triangle lies on them goes to disk too.
 ///
 /// Each pair of a tile and a triangle that meets it is a record, with the triangle's rounded
 /// corners. Records are sorted by tile as many as fit at a time, and each of these runs is written
@@ -34,7 +35,8 @@ namespace octavo {
 class SpilledTriangles final : public VoxelSource {
 public:
     /// @param tile_depth    as TriangleSource
-    /// @param file          a temporary file; it has no name once this is made
+    /// @param file          a temporary file; it has no name once this is made, nor has another one
+    ///                      beside it
     /// @param buffer_bytes  how much to sort at once
     /// @param progress      phase "sort triangles", in triangles
     /// @throws Error        as TriangleSource; io; cancelled
@@ -51,11 +53,14 @@ public:
     [[nodiscard]] std::size_t runs() const { return runs_.size(); }
 
 private:
-    /// A tile's Morton code and three corners; ten words.
+    /// A tile's Morton code, three corners, and which triangle with holes this is; eleven words.
     struct Record {
         std::uint32_t tile;
         std::array<std::int32_t, 9> corners;
+        std::uint32_t holes;  // in the file of these, or kNoHoles
     };
+    static constexpr std::uint32_t kNoHoles = 0xffffffffu;
+    class Batch;
     struct Block {
         std::uint32_t first_tile;
         std::uint64_t offset;
@@ -85,8 +90,9 @@ private:
     std::uint64_t end_ = 0;  // of the file
     std::vector<Record> records_;
     FixedMesh::Frame frame_;
-    Scene no_scene_;
-    CutOuts no_holes_{no_scene_, Grid()};
+    CutOuts cut_outs_;
+    std::unique_ptr<SpillFile> holes_file_;  // a CutOuts::Triangle for each that has holes
+    std::uint32_t hole_count_ = 0;
     std::vector<Run> runs_;
     std::vector<std::uint64_t> tiles_;
     std::uint64_t degenerate_ = 0;

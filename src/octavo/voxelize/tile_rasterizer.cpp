@@ -226,7 +226,7 @@ private:
     const CutOuts::Triangle* holes_ = nullptr;
 };
 
-void RasterizeTile(const FixedMesh& mesh, const CutOuts& cut_outs,
+void RasterizeTile(const FixedMesh& mesh, const HoleLookup* lookup,
                    std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
                    VoxelRule rule, TileBitmap& bitmap) {
     Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
@@ -234,8 +234,7 @@ void RasterizeTile(const FixedMesh& mesh, const CutOuts& cut_outs,
     CutOuts::Triangle holes;
     for (const TileTriangle& t : triangles) {
         if (!mesh.corners(t.triangle, corners)) continue;
-        const bool has_holes =
-            !cut_outs.empty() && cut_outs.find(mesh.scene_triangle(t.triangle), holes);
+        const bool has_holes = lookup != nullptr && lookup->find(t.triangle, holes);
         rasterizer.add(corners, has_holes ? &holes : nullptr);
     }
 }
@@ -278,11 +277,11 @@ void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, i
     HWY_DYNAMIC_DISPATCH(FindTiles)(mesh, begin, end, grid_depth, tile_depth, out);
 }
 
-void rasterize_tile(const FixedMesh& mesh, const CutOuts& cut_outs,
+void rasterize_tile(const FixedMesh& mesh, const HoleLookup* holes,
                     std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
                     VoxelRule rule, TileBitmap& bitmap) {
     HWY_DYNAMIC_DISPATCH(RasterizeTile)
-    (mesh, cut_outs, triangles, tile, tile_depth, rule, bitmap);
+    (mesh, holes, triangles, tile, tile_depth, rule, bitmap);
 }
 
 std::vector<const char*> simd_targets() {

@@ -34,8 +34,9 @@ void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, i
 
 /// Marks the voxels of one tile that these triangles meet under the rule, but for the holes.
 ///
-/// @param tile  the tile's position, in tiles
-void rasterize_tile(const FixedMesh& mesh, const CutOuts& cut_outs,
+/// @param holes  by the triangle's index in the mesh; null: there are none
+/// @param tile   the tile's position, in tiles
+void rasterize_tile(const FixedMesh& mesh, const HoleLookup* holes,
                     std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
                     VoxelRule rule, TileBitmap& bitmap);
 

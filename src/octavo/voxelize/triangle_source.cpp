@@ -71,9 +71,18 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
 }
 
 void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
+    struct Holes final : HoleLookup {
+        Holes(const FixedMesh& of_mesh, const CutOuts& of_scene)
+            : mesh(of_mesh), cut_outs(of_scene) {}
+        bool find(std::size_t triangle, CutOuts::Triangle& out) const override {
+            return cut_outs.find(mesh.scene_triangle(triangle), out);
+        }
+        const FixedMesh& mesh;
+        const CutOuts& cut_outs;
+    } const holes(mesh_, cut_outs_);
     TileBitmap& bitmap = bitmaps_.local();
-    rasterize_tile(mesh_, cut_outs_, triangles(index), morton_decode(tiles_[index]), tile_depth_,
-                   rule_, bitmap);
+    rasterize_tile(mesh_, cut_outs_.empty() ? nullptr : &holes, triangles(index),
+                   morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
     bitmap.take(leaves);
 }
 

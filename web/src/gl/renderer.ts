@@ -2,12 +2,14 @@
 //
 // Draws samples of a picture, a strip at a time, and shows their mean. When to draw what is the
 // engine's business (engine.ts).
+import type { CellLayout } from '../octv/cells';
 import { type CameraUniforms } from '../view/camera';
-import type { Mode } from '../view/settings';
+import { type PlacedLamps, kLampRow } from '../view/lamps';
+import type { Mode, Shadows } from '../view/settings';
 import type { Vec3 } from '../view/vec';
 import { Program } from './program';
 import {
-    beamText, kVertexText, keepText, keepVertexText, normalText, pickText, presentText, primaryText, shadeText,
+    beamText, kVertexText, keepText, keepVertexText, normalText, pickText, presentText, primaryText, shadeText, storedText,
 } from './shader_text';
 import { WordsTexture } from './words_texture';
 
@@ -20,18 +22,18 @@ export interface Shot {
     cone: number;
     mode: Mode;
     smooth: boolean;
+    stored?: StoredSky; // shaded by the light of the cells, under this sky
     up: Vec3;
     skySamples: number;
     skyRadius: number; // voxels
-    lampSamples: number;
-    lamp: {
-        sun: boolean;
-        direction: Vec3;
-        position: Vec3; // grid space
-        radius: number; // sun: radians; lamp: voxels
-        intensity: Vec3; // lamp: over square voxels
-        spot?: { outer: number; inner: number };
-    };
+    shadows: Shadows;
+    lamps: PlacedLamps;
+}
+
+export interface StoredSky {
+    kind: number; // of sky_radiance.h
+    factor: number;
+    colors: [Vec3, Vec3, Vec3]; // zenith, horizon, ground
 }
 
 export interface Pick {
@@ -40,10 +42,14 @@ export interface Pick {
     face: number; // see traverse.h
     time: number;
     steps: number;
+    albedo?: Vec3; // linear; of a cell with a colour
+    emission?: Vec3; // radiance, where there is any
 }
 
-const kModeNumbers: Record<Mode, number> = { shaded: 0, normals: 1, levels: 2, steps: 3 };
+const kModeNumbers: Record<Mode, number> = { shaded: 0, normals: 1, levels: 2, steps: 3, color: 4 };
 const kFaceNone = 7;
+const kPickAttachments = [0, 1, 2, 3];
+const kLightArray = 5; // of kCellArrays
 const kBeamBlock = 8;
 const kCacheSide = 1024; // of normals, see hit.glsl
 export const kProbe = 32;
@@ -110,6 +116,10 @@ export class Renderer {
     private readonly cache: { texture: WebGLTexture; frame: WebGLFramebuffer };
     private readonly beams: Program;
     private readonly presenter: Program;
+    private stored: Program | undefined; // made for the first file that has light
+    private cells: { texture: WordsTexture; layout: CellLayout; ready: boolean } | undefined;
+    private readonly noCells: WordsTexture;
+    private lamps: { of: PlacedLamps; texture: WebGLTexture } | undefined;
     private picker: Program | undefined;
     private pickFrame: WebGLFramebuffer | undefined;
     private probe: { frame: WebGLFramebuffer; buffer: WebGLBuffer; sync?: WebGLSync } | undefined;
@@ -134,6 +144,7 @@ export class Renderer {
         this.shader = program(shadeText(this.rowBits));
         this.keeper = new Program(gl, keepVertexText(this.rowBits), keepText(), this.parallel);
         this.normals = program(normalText(this.rowBits));
+        this.noCells = WordsTexture.make(gl, 1, this.rowBits)!;
     }
 
     /** Drawn by the processor, where no GPU is. */
@@ -143,7 +154,7 @@ export class Renderer {
 
     /** Can pictures be drawn at all? */
     get ready(): boolean {
-        return this.presenter.ready && this.primary.ready && this.beams.ready && this.shader.ready;
+        return this.presenter.ready && this.primary.ready && this.beams.ready && this.shader.ready && (this.stored?.ready ?? true);
     }
     /** What smooths normals takes longest to compile; until then faces are shown as they are. */
     get smoothReady(): boolean {
@@ -157,6 +168,33 @@ export class Renderer {
         this.gl.clearBufferuiv(this.gl.COLOR, 0, [0, 0, 0, 0]);
         this.words = WordsTexture.make(this.gl, words, this.rowBits);
         return this.words !== undefined;
+    }
+
+    /** Room for what cells look like. @returns whether there is room */
+    reserveCells(layout: CellLayout): boolean {
+        this.dropCells();
+        const texture = WordsTexture.make(this.gl, layout.words, this.rowBits);
+        if (!texture) return false;
+        this.cells = { texture, layout, ready: false };
+        if (layout.begins[kLightArray] !== undefined) {
+            this.stored ??= new Program(this.gl, kVertexText, storedText(this.rowBits), this.parallel);
+        }
+        return true;
+    }
+    appendCells(words: Uint32Array): void {
+        this.cells?.texture.append(words);
+    }
+    /** All that was announced has come: from now on it is shown. */
+    showCells(): void {
+        if (this.cells) this.cells.ready = true;
+    }
+    dropCells(): void {
+        this.cells?.texture.free();
+        this.cells = undefined;
+    }
+    /** Bytes of the scene on the GPU. */
+    get sceneBytes(): number {
+        return (this.words?.bytes ?? 0) + (this.cells?.texture.bytes ?? 0);
     }
 
     makeCanvas(width: number, height: number): Canvas {
@@ -238,11 +276,15 @@ export class Renderer {
     }
 
     private drawShading(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
-        const { gl, shader } = this;
+        const { gl } = this;
+        const stored = shot.mode === 'shaded' && shot.stored && this.cells?.ready ? this.stored : undefined;
+        const shader = stored ?? this.shader;
         shader.use();
         this.setView(shader, canvas.width, canvas.height, shot);
         this.setSample(shader, canvas, centred);
-        this.setShading(shader, shot);
+        if (stored) this.setStoredSky(stored, shot.stored!, shot.up);
+        else this.setShading(shader, shot);
+        this.setCells(shader);
         gl.uniform1i(shader.at('first'), canvas.samples === 0 ? 1 : 0);
         gl.uniform1i(shader.at('smoothed'), smooth ? 1 : 0);
         this.bind(shader, 'hits', 1, canvas.hits.texture);
@@ -284,20 +326,24 @@ export class Renderer {
         this.pickFrame ??= this.makePickFrame();
         this.picker.use();
         this.setView(this.picker, width, height, shot);
+        this.setCells(this.picker);
         gl.uniform2i(this.picker.at('picked'), Math.floor(x), Math.floor(y));
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.pickFrame);
         gl.viewport(0, 0, 1, 1);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
-        const [cell, way] = [gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1].map((attachment) => {
+        const [cell, way, albedo, emission] = kPickAttachments.map((i) => {
             const values = new Uint32Array(4);
-            gl.readBuffer(attachment);
+            gl.readBuffer(gl.COLOR_ATTACHMENT0 + i);
             gl.readPixels(0, 0, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, values);
             return values;
-        }) as [Uint32Array, Uint32Array];
+        }) as [Uint32Array, Uint32Array, Uint32Array, Uint32Array];
         const face = cell[3]! & 255;
         if (face === kFaceNone) return undefined;
-        const time = new Float32Array(way.buffer, 0, 1)[0]!;
-        return { path: [cell[0]!, cell[1]!, cell[2]!], height: cell[3]! >>> 8, face, time, steps: way[1]! };
+        const floats = (words: Uint32Array): Vec3 => [...new Float32Array(words.buffer, 0, 3)] as Vec3;
+        const found: Pick = { path: [cell[0]!, cell[1]!, cell[2]!], height: cell[3]! >>> 8, face, time: floats(way)[0], steps: way[1]! };
+        if (albedo[3] === 1) found.albedo = floats(albedo);
+        if (floats(emission).some((value) => value > 0)) found.emission = floats(emission);
+        return found;
     }
 
     /** Starts to read how many rays some pixels have taken; collectRays() has the answer later. */
@@ -369,27 +415,53 @@ export class Renderer {
 
     private setShading(program: Program, shot: Shot): void {
         const { gl } = this;
-        const { lamp } = shot;
         gl.uniform1i(program.at('mode'), kModeNumbers[shot.mode]);
         gl.uniform3fv(program.at('up'), shot.up);
         gl.uniform1f(program.at('depth_levels'), shot.gridDepth);
         gl.uniform1i(program.at('sky_samples'), shot.skySamples);
         gl.uniform1f(program.at('sky_radius'), shot.skyRadius);
-        gl.uniform1i(program.at('lamp_samples'), shot.lampSamples);
-        gl.uniform1i(program.at('lamp_is_sun'), lamp.sun ? 1 : 0);
-        gl.uniform3fv(program.at('lamp_direction'), lamp.direction);
-        const cell = lamp.position.map(Math.floor) as Vec3;
-        gl.uniform3iv(program.at('lamp_cell'), cell);
-        gl.uniform3f(program.at('lamp_frac'), lamp.position[0] - cell[0], lamp.position[1] - cell[1], lamp.position[2] - cell[2]);
-        gl.uniform1f(program.at('lamp_radius'), lamp.radius);
-        gl.uniform3fv(program.at('lamp_intensity'), lamp.intensity);
-        gl.uniform2f(program.at('spot_cosines'), lamp.spot?.outer ?? -2, lamp.spot?.inner ?? -2);
+        gl.uniform1i(program.at('shadows'), { none: 0, hard: 1, soft: 2 }[shot.shadows]);
+        gl.uniform1i(program.at('lamp_count'), shot.lamps.count);
+        this.bind(program, 'lamp_texels', 5, this.lampTexture(shot.lamps));
+    }
+
+    private lampTexture(lamps: PlacedLamps): WebGLTexture {
+        if (this.lamps?.of === lamps) return this.lamps.texture;
+        const { gl } = this;
+        if (this.lamps) gl.deleteTexture(this.lamps.texture);
+        const rows = lamps.texels.length / (4 * kLampRow);
+        const { texture, frame } = target(gl, gl.RGBA32UI, kLampRow, rows);
+        gl.deleteFramebuffer(frame);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kLampRow, rows, gl.RGBA_INTEGER, gl.UNSIGNED_INT, lamps.texels);
+        this.lamps = { of: lamps, texture };
+        return texture;
+    }
+
+    private setCells(program: Program): void {
+        const { gl } = this;
+        const cells = this.cells?.ready ? this.cells : undefined;
+        gl.activeTexture(gl.TEXTURE4);
+        gl.bindTexture(gl.TEXTURE_2D_ARRAY, (cells?.texture ?? this.noCells).texture);
+        gl.uniform1i(program.at('cell_words'), 4);
+        gl.uniform1i(program.at('cell_level'), cells?.layout.level ?? 0);
+        const begins = cells?.layout.begins ?? [];
+        const has = [1, 2, 3, 4].reduce((bits, i) => bits | (begins[i] === undefined ? 0 : 1 << (i - 1)), 0);
+        gl.uniform1i(program.at('cell_has'), has);
+        gl.uniform1uiv(program.at('cell_begins'), [0, 1, 2, 3, 4, 5].map((i) => begins[i] ?? 0));
+    }
+
+    private setStoredSky(program: Program, sky: StoredSky, up: Vec3): void {
+        const { gl } = this;
+        gl.uniform1i(program.at('sky_kind'), sky.kind);
+        gl.uniform1f(program.at('sky_factor'), sky.factor);
+        gl.uniform3fv(program.at('sky_colors'), sky.colors.flat());
+        gl.uniform3fv(program.at('up'), up);
     }
 
     private makePickFrame(): WebGLFramebuffer {
         const { gl } = this;
         const frame = gl.createFramebuffer();
-        const attachments = [gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1];
+        const attachments = kPickAttachments.map((i) => gl.COLOR_ATTACHMENT0 + i);
         const textures = attachments.map(() => target(gl, gl.RGBA32UI, 1, 1).texture);
         gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
         attachments.forEach((attachment, i) => {

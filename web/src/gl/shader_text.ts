@@ -11,7 +11,20 @@ import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
 import surface from '../../../src/octavo/light/surface.h?raw';
 import smoothNormal from '../../../src/octavo/light/smooth_normal.h?raw';
 import shading from '../../../src/octavo/light/shade.h?raw';
+import cellRank from '../../../src/octavo/attributes/cell_rank.h?raw';
+import cellValue from '../../../src/octavo/attributes/cell_value.h?raw';
+import cellLooks from '../../../src/octavo/attributes/cell_looks.h?raw';
+import skyRadiance from '../../../src/octavo/light/sky_radiance.h?raw';
+import cellLight from '../../../src/octavo/light/cell_light.h?raw';
+import lampTriangle from '../../../src/octavo/light/lamp_triangle.h?raw';
+import lampLight from '../../../src/octavo/light/lamp_light.h?raw';
+import lampTexels from '../shaders/lamps.glsl?raw';
+import placedLamp from '../shaders/placed_lamp.glsl?raw';
 import dag from '../shaders/dag.glsl?raw';
+import cells from '../shaders/cells.glsl?raw';
+import looks from '../shaders/looks.glsl?raw';
+import skyPixels from '../shaders/sky.glsl?raw';
+import storedMain from '../shaders/stored.frag?raw';
 import view from '../shaders/view.glsl?raw';
 import beamMain from '../shaders/beam.frag?raw';
 import hit from '../shaders/hit.glsl?raw';
@@ -57,8 +70,14 @@ export function keepText(): string {
     return `${kVersion}${kPrecision}${keepMain}`;
 }
 
+const kLooks = [shading, cells, cellRank, cellValue, cellLooks, looks];
+
 export function shadeText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, shading, shadeMain]);
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, lampTriangle, lampTexels, lampLight, placedLamp, ...kLooks, shadeMain]);
+}
+
+export function storedText(rowBits: number): string {
+    return assemble(rowBits, [...kTrace, ...kLooks, cellLight, skyPixels, skyRadiance, storedMain]);
 }
 
 export function beamText(rowBits: number): string {
@@ -66,7 +85,7 @@ export function beamText(rowBits: number): string {
 }
 
 export function pickText(rowBits: number): string {
-    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, pickMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, ...kLooks, pickMain]);
 }
 
 export function presentText(): string {

@@ -38,6 +38,9 @@ export interface StoredLight {
     innerAngle: number;
     outerAngle: number;
     size: number; // a radius; a sun's in radians
+    halfU: Vec3; // of a rectangle: from its middle to the middles of two sides
+    halfV: Vec3;
+    triangles: number[][]; // of a mesh: nine numbers each
 }
 
 export interface Metadata {
@@ -50,6 +53,8 @@ export interface Metadata {
     words: number; // of all levels
     cameras: StoredCamera[];
     lights: StoredLight[];
+    attributes?: { level: number; cells: number }; // whose occupied cells have colours
+    storedLight?: { bounces: number; sky: string }; // of these cells
 }
 
 type Json = Record<string, unknown>;
@@ -157,7 +162,31 @@ function readLight(value: unknown, i: number): StoredLight {
         innerAngle: angle('inner_angle'),
         outerAngle: angle('outer_angle'),
         size: angle('size'),
+        halfU: json.half_u === undefined ? [0, 0, 0] : vec3(json.half_u, `${key}.half_u`),
+        halfV: json.half_v === undefined ? [0, 0, 0] : vec3(json.half_v, `${key}.half_v`),
+        triangles: readTriangles(json.triangles, `${key}.triangles`),
     };
+}
+
+function readTriangles(value: unknown, key: string): number[][] {
+    if (value === undefined) return [];
+    const list = array(value, key).map((entry) => number(entry, key));
+    if (list.length % 9 !== 0) fail(key, 'does not have nine numbers for each triangle');
+    return Array.from({ length: list.length / 9 }, (_, i) => list.slice(9 * i, 9 * i + 9));
+}
+
+function readAttributes(value: unknown, depth: number): Metadata['attributes'] {
+    if (value === undefined) return undefined;
+    const json = object(value, 'attributes');
+    const level = count(json.level, 'attributes.level');
+    if (level < kMinDepth || level > depth) fail('attributes.level', `is not ${kMinDepth} to ${depth}`);
+    return { level, cells: count(json.cells, 'attributes.cells') };
+}
+
+function readStoredLight(value: unknown): Metadata['storedLight'] {
+    if (value === undefined) return undefined;
+    const json = object(value, 'light');
+    return { bounces: count(json.bounces, 'light.bounces'), sky: text(json.sky, 'light.sky') };
 }
 
 /** @throws FileFault damaged */
@@ -181,5 +210,7 @@ export function readMetadata(bytes: Uint8Array): Metadata {
         words: levels.reduce((sum, level) => sum + level.words, 0),
         cameras: array(json.cameras, 'cameras').map(readCamera),
         lights: array(json.lights, 'lights').map(readLight),
+        attributes: readAttributes(json.attributes, grid.depth),
+        storedLight: readStoredLight(json.light),
     };
 }

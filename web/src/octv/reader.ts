@@ -4,6 +4,8 @@
 // passed. Any bytes give levels that are safe to trace, or a FileFault.
 import { createXXHash3, type IHasher } from 'hash-wasm';
 import { ZSTDDecoder } from 'zstddec';
+import { bottomLevel, cellSums } from './cell_sums';
+import { type CellLayout, type CellPlan, checkCellSection, kCellArrays, planCells } from './cells';
 import { type CellBox, contentBounds, kBoundsLevel } from './content_bounds';
 import { type Section, kPageBytes, readDirectory } from './directory';
 import { FileFault, damaged } from './errors';
@@ -23,7 +25,7 @@ export interface FileFacts {
     compressed: boolean;
 }
 
-/** What the reader tells, in this order: opened, then per level words and level, and bounds. */
+/** What the reader tells, in this order: opened, then per level words and level, and bounds; then cells. */
 export interface Listener {
     opened(facts: FileFacts): void;
     /** Bytes of the file that have come. */
@@ -34,10 +36,18 @@ export interface Listener {
     level(level: number): void;
     /** Where voxels are; again when it is known better. */
     bounds(box: CellBox): void;
+    /** Colours and light of cells follow: room for so many words. */
+    cells(layout: CellLayout): void;
+    /** The next of these words, from the first on. */
+    cellWords(words: Uint32Array<ArrayBuffer>): void;
+    /** All of them are there. */
+    cellsReady(): void;
+    /** The file has colours or light that are not read, and why. */
+    cellsLeftOut(why: string): void;
 }
 
 export interface ReadOptions {
-    /** DAG bytes that may be taken: the levels that do not fit are left out. */
+    /** Bytes that the scene may take: the levels that do not fit are left out, then the cells. */
     maxDagBytes: number;
 }
 
@@ -160,16 +170,26 @@ export async function readOctv(source: ByteSource, listener: Listener, options: 
     if (metadata.words > 0 && wanted > 0) {
         const progress = (bytes: number): void => listener.progress(bytes);
         const read = await openSection(source, dag, kMaxCompressedBytes, progress);
-        await readLevels(read, metadata, wanted, listener);
+        const all = wanted === metadata.grid.depth - 1;
+        const plan = all ? planCells(directory.sections, metadata, options.maxDagBytes - 4 * metadata.words) : undefined;
+        const top = await readLevels(read, metadata, wanted, listener, plan && bottomLevel(plan.layout.level, metadata.grid.depth));
+        const light = directory.sections.some(({ id }) => id === 'LITE');
+        if (plan) await readCells(source, plan, top, metadata, listener);
+        else if (metadata.attributes) listener.cellsLeftOut('Colours are left out: they do not fit in the GPU memory of the settings');
+        if (plan && light && plan.layout.begins[kCellArrays.indexOf('LITE')] === undefined) {
+            listener.cellsLeftOut('Stored light is left out: it does not fit in the GPU memory of the settings');
+        }
     }
     listener.progress(directory.fileBytes);
 }
 
-async function readLevels(read: RawReader, metadata: Metadata, wanted: number, listener: Listener): Promise<void> {
+/** @param keep  levels from the root to this one are returned */
+async function readLevels(read: RawReader, metadata: Metadata, wanted: number, listener: Listener, keep = -1): Promise<Uint32Array[]> {
     const { depth } = metadata.grid;
     const leafLevel = depth - 2;
     const checker = new LevelChecker(metadata.levels, leafLevel);
     const top: Uint32Array[] = [];
+    const kept: Uint32Array[] = [];
     for (let level = 0; level < wanted; level += 1) {
         const bytes = await read(4 * metadata.levels[level]!.words);
         const words = new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
@@ -183,5 +203,29 @@ async function readLevels(read: RawReader, metadata: Metadata, wanted: number, l
             const box = contentBounds({ depth, levels: top });
             if (box) listener.bounds(box);
         }
+        if (level <= keep) kept.push(words);
     }
+    return kept;
+}
+
+/** Reads the sections behind the DAG; each is checked as a whole before any of it is handed on. */
+async function readCells(source: ByteSource, plan: CellPlan, top: Uint32Array[], metadata: Metadata, listener: Listener): Promise<void> {
+    const numbered = cellSums(top, metadata.grid.depth, plan.layout.level);
+    if (!numbered) return listener.cellsLeftOut('Colours are left out: the scene has more cells than a browser can number');
+    if (numbered.cells !== metadata.attributes!.cells) {
+        throw damaged(`The file states attributes of ${metadata.attributes!.cells} cells, and its DAG has ${numbered.cells}.`);
+    }
+    listener.cells(plan.layout);
+    const hand = (words: Uint32Array): void => {
+        for (let at = 0; at < words.length; at += kPieceBytes / 4) listener.cellWords(words.slice(at, at + kPieceBytes / 4) as Uint32Array<ArrayBuffer>);
+    };
+    hand(numbered.sums);
+    for (const section of plan.sections) {
+        const read = await openSection(source, section, kMaxCompressedBytes, (bytes) => listener.progress(bytes));
+        const bytes = await read(section.rawBytes);
+        const words = new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
+        checkCellSection(section, words, numbered);
+        hand(words);
+    }
+    listener.cellsReady();
 }

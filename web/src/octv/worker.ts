@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Runs the reader beside the page, so that checking a large file never delays a frame.
+import type { CellLayout } from './cells';
 import type { CellBox } from './content_bounds';
 import { type FaultKind, FileFault } from './errors';
 import { type FileFacts, readOctv } from './reader';
@@ -20,6 +21,10 @@ export type Report =
     | { is: 'words'; words: Uint32Array<ArrayBuffer> }
     | { is: 'level'; level: number }
     | { is: 'bounds'; box: CellBox }
+    | { is: 'cells'; layout: CellLayout }
+    | { is: 'cellWords'; words: Uint32Array<ArrayBuffer> }
+    | { is: 'cellsReady' }
+    | { is: 'cellsLeftOut'; why: string }
     | { is: 'done' }
     | { is: 'fault'; kind: FaultKind; message: string };
 
@@ -46,6 +51,10 @@ scope.onmessage = async ({ data }) => {
                 words: (words) => scope.postMessage({ is: 'words', words }, [words.buffer]),
                 level: (level) => tell({ is: 'level', level }),
                 bounds: (box) => tell({ is: 'bounds', box }),
+                cells: (layout) => tell({ is: 'cells', layout }),
+                cellWords: (words) => scope.postMessage({ is: 'cellWords', words }, [words.buffer]),
+                cellsReady: () => tell({ is: 'cellsReady' }),
+                cellsLeftOut: (why) => tell({ is: 'cellsLeftOut', why }),
             },
             { maxDagBytes: data.maxDagBytes },
         );

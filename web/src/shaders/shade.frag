@@ -4,6 +4,7 @@ const int kShaded = 0;
 const int kNormals = 1;
 const int kLevels = 2;
 const int kSteps = 3;
+const int kColor = 4;
 
 uniform highp usampler2D hits;
 uniform highp usampler2D cache;      // see hit.glsl
@@ -15,14 +16,7 @@ uniform vec3 up;
 uniform float depth_levels;  // of the whole grid
 uniform int sky_samples;     // per sample of the pixel
 uniform float sky_radius;    // voxels
-uniform int lamp_samples;    // per sample of the pixel; 0: no shadows
-uniform bool lamp_is_sun;
-uniform vec3 lamp_direction;  // towards the sun; the way of a spot's light
-uniform ivec3 lamp_cell;      // grid space
-uniform vec3 lamp_frac;
-uniform float lamp_radius;    // sun: radians; lamp: voxels
-uniform vec3 lamp_intensity;  // of a lamp in voxels: world units have been divided out
-uniform vec2 spot_cosines;    // outer, inner; -2: not a spot
+uniform int shadows;  // 0: none; 1: towards the lamps' middles; 2: soft
 
 layout(location = 0) out vec4 sum;  // alpha: rays
 
@@ -35,6 +29,11 @@ vec3 ramp(float t) {
     return mix(stops[i], stops[i + 1], at - float(i));
 }
 
+vec3 srgb(vec3 x) {
+    x = clamp(x, 0.0, 1.0);
+    return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
+}
+
 SurfacePoint surface_point(DagView dag, GridRay ray, GridHit hit, uint seed) {
     if (smoothed && hit.face < kFaceInside) {
         uvec4 slot = texelFetch(cache, slot_of(hit), 0);
@@ -43,27 +42,7 @@ SurfacePoint surface_point(DagView dag, GridRay ray, GridHit hit, uint seed) {
     return flat_point(ray, hit, seed);
 }
 
-struct SeenLamp {
-    LampPatch patch_of_it;
-    float strength;
-};
-
-SeenLamp see_lamp(SurfacePoint point) {
-    SeenLamp lamp;
-    lamp.strength = 1.0;
-    if (lamp_is_sun) {
-        lamp.patch_of_it = facing_disc(lamp_direction, lamp_radius, 1e30);
-        return lamp;
-    }
-    vec3 way = vec3(lamp_cell - point.cell) + (lamp_frac - point.frac);
-    lamp.patch_of_it = facing_disc(way, lamp_radius, 1.0);
-    lamp.strength = 1.0 / max(dot(way, way), 1e-30);
-    if (spot_cosines.x > -1.5)
-        lamp.strength *= smoothstep(spot_cosines.x, spot_cosines.y, dot(-normalize(way), lamp_direction));
-    return lamp;
-}
-
-vec4 shade(DagView dag, SurfacePoint point) {
+vec4 shade(DagView dag, SurfacePoint point, CellLook look) {
     Stop to_voxels;
     to_voxels.height = primary_stop.height;
     to_voxels.cone = 0.0;
@@ -81,20 +60,19 @@ vec4 shade(DagView dag, SurfacePoint point) {
     }
     vec3 light = sky * sky_light(point.normal, up);
 
-    SeenLamp lamp = see_lamp(point);
-    float cosine = dot(point.normal, normalize(lamp.patch_of_it.centre));
-    if (cosine > 0.0 && lamp.strength > 0.0) {
-        float part = 1.0;
-        if (lamp_samples > 0) {
-            int seen = lamp_samples_seen(dag, start, point.face, lamp.patch_of_it, to_voxels,
-                                         sample_number * lamp_samples, (sample_number + 1) * lamp_samples,
-                                         point.seed ^ 0x02e5be93u);
-            part = float(seen) / float(lamp_samples);
-            rays += float(lamp_samples);
+    for (int n = 0; n < lamp_count; n += 1) {
+        PlacedLamp lamp = placed_lamp(n);
+        SeenPlacedLamp seen = see_lamp(lamp, start, point.face, point.normal, shadows == 2 ? 0 : 1);
+        if (seen.dark != 0) continue;
+        LampSample one = lamp_sample(lamp, seen, sample_number, lamp_seed(point.seed, n));
+        if (!(one.light > 0.0)) continue;
+        if (shadows != 0) {
+            rays += 1.0;
+            if (trace_any(dag, one.ray, to_voxels)) continue;
         }
-        light += part * cosine * lamp.strength * 0.31830989 * lamp_intensity;
+        light += 0.31830989 * one.light * lamp_intensity(n);
     }
-    return vec4(clay() * light, rays);
+    return vec4(look.albedo * light + look.emission, rays);
 }
 
 vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
@@ -108,9 +86,11 @@ vec4 picture_of(DagView dag, GridRay ray, GridHit hit, uint seed) {
         float facing = hit.face >= kFaceInside ? 1.0 : abs(normalize(ray.dir)[hit.face / 2]);
         return vec4(ramp(level) * (0.7 + 0.3 * facing), 1.0);
     }
+    CellLook look = seen_look(dag, hit, -ray.dir);
+    if (mode == kColor) return vec4(srgb(look.albedo + look.emission), 1.0);
     SurfacePoint point = surface_point(dag, ray, hit, seed);
     if (mode == kNormals) return vec4(0.5 + 0.5 * point.normal, 1.0);
-    return shade(dag, point);
+    return shade(dag, point, look);
 }
 
 void main() {

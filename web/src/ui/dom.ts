@@ -15,6 +15,16 @@ export function fillFacts(list: HTMLElement, facts: [string, string][]): void {
         list.replaceChildren(...wanted.map((_, i) => document.createElement(i % 2 === 0 ? 'dt' : 'dd')));
     }
     [...list.children].forEach((element, i) => {
-        if (element.textContent !== wanted[i]) element.textContent = wanted[i]!;
+        if (element.textContent === wanted[i]) return;
+        element.textContent = wanted[i]!;
+        if (/^#[0-9a-f]{6}$/.test(wanted[i]!)) element.prepend(swatch(wanted[i]!));
     });
+}
+
+/** A square of a colour, set by script since the page's policy admits no style in the text. */
+function swatch(color: string): HTMLElement {
+    const square = document.createElement('span');
+    square.className = 'swatch';
+    square.style.background = color;
+    return square;
 }

@@ -28,3 +28,13 @@ export function worldNumber(value: number, voxelSize: number): string {
 export function rounded(value: number, digits = kDigits): string {
     return String(Number(value.toPrecision(digits)));
 }
+
+/** A colour in linear light as a screen's: "#c8873a". */
+export function srgbText(linear: readonly number[]): string {
+    const channel = (x: number): string => {
+        const c = Math.max(0, Math.min(1, x));
+        const s = c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
+        return Math.round(255 * s).toString(16).padStart(2, '0');
+    };
+    return `#${linear.map(channel).join('')}`;
+}

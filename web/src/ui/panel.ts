@@ -6,7 +6,7 @@ import { type Mode, type NumberSetting, type Settings, kRanges, kShadows } from 
 import { byId } from './dom';
 import { rounded } from './numbers';
 
-const kModeLabels: Record<Mode, string> = { shaded: 'Shaded', normals: 'Normals', levels: 'Levels', steps: 'Steps' };
+const kModeLabels: Record<Mode, string> = { shaded: 'Shaded', normals: 'Normals', levels: 'Levels', steps: 'Steps', color: 'Colour' };
 const kShadowLabels = { none: 'None', hard: 'Hard', soft: 'Soft' };
 const kUpLabels = { y: 'Y', z: 'Z' };
 
@@ -17,6 +17,7 @@ export interface Offers {
     lights: { number: number; name: string }[];
     depth: number;
     sceneDiagonal: number; // world units; 0: not known yet
+    storedLight: boolean; // the file has light of its cells
     sunLight: boolean; // the light is the one that the panel turns
     gpu: boolean; // this machine's GPU draws
 }
@@ -35,7 +36,7 @@ export class Panel {
     ) {
         this.settings = settings;
         for (const key of kSliders) this.bindSlider(key);
-        for (const key of ['ambient', 'smooth'] as const) {
+        for (const key of ['ambient', 'smooth', 'stored'] as const) {
             byId<HTMLInputElement>(key).addEventListener('change', (event) => {
                 this.set({ [key]: (event.target as HTMLInputElement).checked });
             });
@@ -79,7 +80,7 @@ export class Panel {
             this.fillSelect(select, first ? [first, ...options] : options);
         };
         if (before?.cameras.join() !== offers.cameras.join()) named(offers.cameras, 'cameras', ['-1', 'Free']);
-        this.fillSelect('lights', [['-1', 'Sun of the viewer'], ...offers.lights.map(({ number, name }): [string, string] => [String(number), name])]);
+        this.fillSelect('lights', [['-1', 'Sun of the viewer'], ...(offers.lights.length > 1 ? [['-2', `All ${offers.lights.length}`] as [string, string]] : []), ...offers.lights.map(({ number, name }): [string, string] => [String(number), name])]);
         byId('cameras-row').hidden = offers.cameras.length === 0;
         byId('lights-row').hidden = offers.lights.length === 0;
         byId('row-sunAzimuth').hidden = byId('row-sunElevation').hidden = !offers.sunLight;
@@ -100,6 +101,7 @@ export class Panel {
         }
         byId<HTMLInputElement>('ambient').checked = settings.ambient;
         byId<HTMLInputElement>('smooth').checked = settings.smooth;
+        byId<HTMLInputElement>('stored').checked = settings.stored;
         byId<HTMLInputElement>('memory').value = rounded(settings.memory, 6);
         byId<HTMLSelectElement>('lights').value = String(settings.light);
         this.showChoice('modes', settings.mode);
@@ -110,6 +112,9 @@ export class Panel {
         for (const element of document.querySelectorAll<HTMLElement>('[data-for]')) {
             element.hidden = !element.dataset.for!.split(' ').includes(settings.mode);
         }
+        const byCells = settings.stored && this.offers?.storedLight === true;
+        byId('row-stored').hidden = this.offers?.storedLight !== true;
+        byId('direct-light').hidden = byCells;
         const legend = settings.mode === 'levels' || settings.mode === 'steps';
         byId('legend').hidden = !legend;
         byId('legend-low').textContent = settings.mode === 'levels' ? 'root' : '0 cells';

@@ -41,6 +41,7 @@ export function linkOf(camera: Camera | undefined, settings: Settings, base: Set
     if (settings.up !== base.up) parts.push(`up=${settings.up}`);
     if (settings.shadows !== base.shadows) parts.push(`shadows=${settings.shadows}`);
     if (settings.ambient !== base.ambient) parts.push(`ambient=${settings.ambient ? 1 : 0}`);
+    if (settings.stored !== base.stored) parts.push(`stored=${settings.stored ? 1 : 0}`);
     if (settings.smooth !== base.smooth) parts.push(`smooth=${settings.smooth ? 1 : 0}`);
     for (const key of Object.keys(kNames) as NumberSetting[]) {
         if (settings[key] !== base[key]) parts.push(`${kNames[key]}=${short(settings[key], 6)}`);
@@ -79,6 +80,8 @@ export function readLink(fragment: string): View {
     if (up === 'y' || up === 'z') settings.up = up;
     const ambient = flag(values.get('ambient'));
     if (ambient !== undefined) settings.ambient = ambient;
+    const stored = flag(values.get('stored'));
+    if (stored !== undefined) settings.stored = stored;
     const smooth = flag(values.get('smooth'));
     if (smooth !== undefined) settings.smooth = smooth;
 

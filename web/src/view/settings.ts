@@ -3,7 +3,7 @@
 // What the picture shows beside the camera: all that a link carries.
 import type { UpAxis } from './camera';
 
-export const kModes = ['shaded', 'normals', 'levels', 'steps'] as const;
+export const kModes = ['shaded', 'normals', 'levels', 'steps', 'color'] as const;
 export type Mode = (typeof kModes)[number];
 export const kShadows = ['none', 'hard', 'soft'] as const;
 export type Shadows = (typeof kShadows)[number];
@@ -11,7 +11,8 @@ export type Shadows = (typeof kShadows)[number];
 export interface Settings {
     mode: Mode;
     up: UpAxis;
-    light: number; // of the file's lights; -1: the sun that the panel turns
+    stored: boolean; // by the light that the file has of its cells
+    light: number; // of the file's lights; -1: the sun that the panel turns; -2: all
     sunAzimuth: number; // degrees
     sunElevation: number;
     sunSize: number; // degrees, the angular radius
@@ -30,6 +31,7 @@ export interface Settings {
 export const kDefaults: Settings = {
     mode: 'shaded',
     up: 'y',
+    stored: false,
     light: -1,
     sunAzimuth: -20,
     sunElevation: 42,
@@ -48,7 +50,7 @@ export const kDefaults: Settings = {
 
 /** Number settings: what a control offers and a link may carry. */
 export const kRanges = {
-    light: { least: -1, most: 1000, step: 1 },
+    light: { least: -2, most: 1000, step: 1 },
     sunAzimuth: { least: -180, most: 180, step: 1 },
     sunElevation: { least: -10, most: 90, step: 1 },
     sunSize: { least: 0, most: 10, step: 0.05 },

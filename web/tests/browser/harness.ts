@@ -3,7 +3,7 @@
 // The page in headless Chromium, on scenes that the octavo command makes. Needs OCTAVO_COMMAND, the
 // path of that command, and Chromium.
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import http from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -11,6 +11,7 @@ import { join } from 'node:path';
 import pixelmatch from 'pixelmatch';
 import { type Browser, type BrowserContext, type Page, chromium } from 'playwright-core';
 import { PNG } from 'pngjs';
+import { resealed } from '../unit/octv_file';
 
 export const command = process.env.OCTAVO_COMMAND ?? '';
 const chromiumPath = [process.env.CHROMIUM ?? '', '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(
@@ -26,6 +27,47 @@ export function octavo(...words: string[]): void {
 export function courtyard(): string {
     const file = join(folder, 'courtyard.octv');
     if (!existsSync(file)) octavo('build', 'sample:courtyard', '-o', file, '-r', '64', '--quiet');
+    return file;
+}
+
+/** The same with colours, emission and the lanterns' light. */
+export function colouredCourtyard(): string {
+    const file = join(folder, 'coloured.octv');
+    if (!existsSync(file)) octavo('build', 'sample:courtyard', '-o', file, '-r', '64', '--attributes', 'color,emission', '--quiet');
+    return file;
+}
+
+/** And with light stored in its cells. */
+export function litCourtyard(): string {
+    const file = join(folder, 'lit.octv');
+    if (!existsSync(file)) octavo('light', colouredCourtyard(), '-o', file, '--rays', '4', '--shadow-samples', '2', '--bounces', '1', '--quiet');
+    return file;
+}
+
+/** The courtyard with a disc, a rectangle and a spot beside its mesh of lanterns and its sun. */
+export async function courtyardWithLamps(): Promise<string> {
+    const bytes = new Uint8Array(readFileSync(courtyard()));
+    const view = new DataView(bytes.buffer);
+    const size = Number(view.getBigUint64(64 + 16, true));
+    const room = Number(view.getBigUint64(112 + 8, true)) - 0x1000;
+    const metadata = JSON.parse(new TextDecoder().decode(bytes.slice(0x1000, 0x1000 + size)));
+    const lamp = { inner_angle: 0, outer_angle: 0.6, direction: [0.2, -1, 0.1], size: 0.6 };
+    metadata.lights = [
+        ...metadata.lights.map((light: { kind: string; intensity: number[] }) => (light.kind === 'sun' ? { ...light, intensity: [0.6, 0.4, 0.3] } : light)),
+        { ...lamp, name: 'disc', kind: 'disc', position: [-8, 5, 1], intensity: [30, 20, 10] },
+        { ...lamp, name: 'window', kind: 'rectangle', position: [-4, 4, 2], intensity: [5, 20, 9], half_u: [0.7, 0, 0], half_v: [0, 0.1, 0.9] },
+        { ...lamp, name: 'spot', kind: 'spot', position: [-10, 6, 2], intensity: [4, 4, 40], size: 0.1 },
+    ];
+    // Fewer lanterns, so that the text fits in the place of the old one.
+    for (const light of metadata.lights) if (light.kind === 'mesh') light.triangles = light.triangles.slice(0, 9 * 40);
+    const text = new TextEncoder().encode(JSON.stringify(metadata));
+    if (text.length > room) throw new Error('The lamps do not fit');
+    bytes.fill(0, 0x1000, 0x1000 + room);
+    bytes.set(text, 0x1000);
+    view.setBigUint64(64 + 16, BigInt(text.length), true);
+    view.setBigUint64(64 + 24, BigInt(text.length), true);
+    const file = join(folder, 'lamps.octv');
+    writeFileSync(file, await resealed(bytes));
     return file;
 }
 

@@ -4,14 +4,15 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { PNG } from 'pngjs';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { type Opened, closePages, courtyard, difference, folder, octavo, open, quick, rest, saved, serveFolder, startBrowser, stopBrowser, view } from './harness';
+import { type Opened, closePages, colouredCourtyard, courtyard, courtyardWithLamps, difference, folder, litCourtyard, octavo, open, quick, rest, saved, serveFolder, startBrowser, stopBrowser, view } from './harness';
 
 beforeAll(startBrowser);
 afterEach(closePages);
 afterAll(stopBrowser);
 
 const kCamera = { eye: [-14.1, 2.7, 1.8], azimuth: 100.2, elevation: 2, distance: 20 }; // in the court
-const kLook = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45&light=-1&sun=-30&height=50`;
+const kPlace = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45`;
+const kLook = `${kPlace}&light=-1&sun=-30&height=50`;
 
 async function shown(fragment = quick, height = 240): Promise<Opened> {
     const opened = await open(`${await view(courtyard())}#${fragment}`, 800, height);
@@ -34,24 +35,33 @@ const link = async (page: Page): Promise<string> => {
 
 describe('the picture', () => {
     // The same rays with the same random numbers: only sin, cos and pow may round differently.
+    const kSun = ['--sun=-30,50'];
     it.each([
-        ['faces', 'smooth=0', ['--flat', '--ao', '32', '--samples', '8', '--shadow-samples', '8'], [160, 100]],
-        ['smoothed', 'smooth=1&samples=2', ['--ao', '8', '--samples', '2', '--shadow-samples', '2'], [32, 20]],
-        ['hard shadows, no ambient occlusion', 'smooth=0&shadows=hard&ambient=0', ['--flat', '--shadows', 'hard', '--ao', '0', '--samples', '8'], [160, 100]],
-    ])('is that of octavo render: %s', async (_, fragment, options, [width, height]) => {
+        ['faces', courtyard, `${kLook}&samples=8&smooth=0`, [...kSun, '--flat', '--ao', '32', '--samples', '8', '--shadow-samples', '8'], [160, 100]],
+        ['smoothed', courtyard, `${kLook}&smooth=1&samples=2`, [...kSun, '--ao', '8', '--samples', '2', '--shadow-samples', '2'], [32, 20]],
+        ['hard shadows, no ambient occlusion', courtyard, `${kLook}&samples=8&smooth=0&shadows=hard&ambient=0`, [...kSun, '--flat', '--shadows', 'hard', '--ao', '0', '--samples', '8'], [160, 100]],
+        ['colours', colouredCourtyard, `${kLook}&samples=4&smooth=0`, [...kSun, '--flat', '--ao', '16', '--samples', '4', '--shadow-samples', '4'], [160, 100]],
+        ['lamps of every kind', courtyardWithLamps, `${kPlace}&samples=4&smooth=0`, ['--flat', '--ao', '16', '--samples', '4', '--shadow-samples', '4'], [160, 100]],
+        ['stored light', litCourtyard, `${kPlace}&samples=4&smooth=0&detail=0`, ['--gi', 'cached', '--flat', '--samples', '4'], [160, 100]],
+    ] as [string, () => string | Promise<string>, string, string[], [number, number]][])('is that of octavo render: %s', async (name, scene, fragment, options, [width, height]) => {
+        const file = await scene();
         const expected = join(folder, 'expected.png');
         const radians = Math.PI / 180;
         const [azimuth, elevation] = [kCamera.azimuth * radians, kCamera.elevation * radians];
         const forward = [Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation), Math.cos(elevation) * Math.cos(azimuth)];
         const at = kCamera.eye.map((value, axis) => value + 10 * forward[axis]!);
-        octavo('render', courtyard(), '-o', expected, '--force', '--quiet', '--size', `${width}x${height}`,
-            '--fov', '45', '--sun=-30,50',
-            `--eye=${kCamera.eye.join()}`, `--at=${at.join()}`, ...(options as string[]));
-        const { page, faults } = await open(`${await view(courtyard())}#${kLook}&samples=8&${fragment}`, width as number, height as number);
+        // Behind the file, as --gi may take a word of its own.
+        octavo('render', file, '-o', expected, '--force', '--quiet', '--size', `${width}x${height}`, '--fov', '45',
+            `--eye=${kCamera.eye.join()}`, `--at=${at.join()}`, ...options);
+        const { page, faults } = await open(`${await view(file)}#${fragment}`, width, height);
         await rest(page);
         const picture = await saved(page);
         const { pixels, mean } = difference(picture, PNG.sync.read(readFileSync(expected)));
-        if (pixels > 0.01) writeFileSync(join(process.env.OCTAVO_PICTURES ?? folder, `${String(_).slice(0, 8)}.png`), PNG.sync.write(picture));
+        if (process.env.OCTAVO_PICTURES) {
+            writeFileSync(join(process.env.OCTAVO_PICTURES, `${name.slice(0, 8)}.png`), PNG.sync.write(picture));
+            copyFileSync(expected, join(process.env.OCTAVO_PICTURES, `${name.slice(0, 8)}-expected.png`));
+        }
+        console.log(`${name}: ${(100 * pixels).toFixed(3)} % of the pixels differ, by ${mean.toFixed(3)} of 255 on average`);
         expect({ pixels: pixels < 0.01, mean: mean < 1 }, `${pixels} of the pixels differ, by ${mean} on average`).toEqual({ pixels: true, mean: true });
         expect(faults).toEqual([]);
     });
@@ -181,6 +191,25 @@ describe('controls', () => {
         const facts = await text(page, '#voxel-facts');
         expect(facts).toMatch(/Path\s*\d+, \d+, \d+/);
         expect(facts).toMatch(/Position/);
+    });
+
+    it('show the colours and the light of a file, and read them', async () => {
+        const { page, faults } = await open(`${await view(litCourtyard())}#${kPlace}&${quick}`, 800, 440);
+        await rest(page);
+        const stored = await saved(page);
+        expect(await page.locator('#row-sunAzimuth').isVisible(), 'stored light has no sun to turn').toBe(false);
+        await page.locator('#stored').click();
+        await rest(page);
+        const direct = await saved(page);
+        expect(difference(stored, direct).mean).toBeGreaterThan(0.3);
+        await page.locator('#modes [data-value=color]').click();
+        await rest(page);
+        expect(difference(direct, await saved(page)).mean).toBeGreaterThan(0.3);
+        await page.mouse.click(250, 260);
+        await page.locator('#voxel').waitFor();
+        expect(await text(page, '#voxel-facts')).toMatch(/Colour\s*#[0-9a-f]{6}/);
+        expect(await text(page, '#statistics')).toMatch(/Coloured cells/);
+        expect(faults).toEqual([]);
     });
 
     it('open help, change the theme, copy the link', async () => {
@@ -330,7 +359,7 @@ describe('serving', () => {
 
 describe('a machine that draws', () => {
     it('sends the picture of octavo render, and finds voxels', async () => {
-        const { page, faults } = await open(`${await view(courtyard(), '--render-here')}#${kLook}`, 760, 200);
+        const { page, faults } = await open(`${await view(colouredCourtyard(), '--render-here')}#${kLook}`, 760, 200);
         await rest(page);
         const first = await saved(page);
         expect([first.width, first.height]).toEqual([760, 200]);
@@ -339,7 +368,7 @@ describe('a machine that draws', () => {
         expect(difference(first, await saved(page)).mean).toBeGreaterThan(0.3);
         await page.mouse.click(200, 120);
         await page.locator('#voxel').waitFor();
-        expect(await text(page, '#voxel-facts')).toMatch(/Path/);
+        expect(await text(page, '#voxel-facts')).toMatch(/Path[^]*Colour/);
         expect(await page.locator('#row-memory').isVisible(), 'what it cannot do is not offered').toBe(false);
         expect(faults).toEqual([]);
     });

@@ -48,3 +48,32 @@ export async function withWords(words: Record<number, number>): Promise<Bytes> {
     for (const [word, value] of Object.entries(words)) view.setUint32(0x2000 + 4 * Number(word), value, true);
     return resealed(bytes);
 }
+
+/** The example with attributes of a level: more sections, and what the metadata says of them. */
+export async function colouredFile(sections: Record<string, number[]>, level: number, cells: number): Promise<Bytes> {
+    const example = exampleFile();
+    const old = new DataView(example.buffer);
+    const text = new TextDecoder('latin1').decode(example.slice(0x1000, 0x1000 + Number(old.getBigUint64(64 + 16, true))));
+    const metadata = new TextEncoder().encode(`${text.slice(0, -1)},"attributes":{"level":${level},"cells":${cells},"tolerance":0}}`);
+    const all: [string, Bytes][] = [
+        ['META', metadata as Bytes],
+        ['DAG ', example.slice(0x2000)],
+        ...Object.entries(sections).map(([id, words]): [string, Bytes] => [id, new Uint8Array(Uint32Array.from(words).buffer)]),
+    ];
+    const last = all.at(-1)![1];
+    const bytes = new Uint8Array(0x1000 * all.length + last.length);
+    bytes.set(example.slice(0, 64));
+    const view = new DataView(bytes.buffer);
+    view.setBigUint64(16, BigInt(bytes.length), true);
+    view.setUint32(24, all.length, true);
+    all.forEach(([id, content], i) => {
+        const at = 64 + 48 * i;
+        bytes.set(new TextEncoder().encode(id), at);
+        view.setUint32(at + 4, i < 2 ? 1 : 0, true);
+        view.setBigUint64(at + 8, BigInt(0x1000 * (i + 1)), true);
+        view.setBigUint64(at + 16, BigInt(content.length), true);
+        view.setBigUint64(at + 24, BigInt(content.length), true);
+        bytes.set(content, 0x1000 * (i + 1));
+    });
+    return resealed(bytes);
+}

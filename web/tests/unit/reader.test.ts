@@ -1,22 +1,27 @@
 // SPDX-License-Identifier: MIT
 import { describe, expect, it } from 'vitest';
+import { cellSums } from '../../src/octv/cell_sums';
+import { cellValue, findValueFault } from '../../src/octv/cell_values';
+import type { CellLayout } from '../../src/octv/cells';
 import type { CellBox } from '../../src/octv/content_bounds';
 import { FileFault } from '../../src/octv/errors';
 import { type FileFacts, levelsThatFit, readOctv } from '../../src/octv/reader';
 import { MemorySource, StreamSource, openUrl } from '../../src/octv/source';
 import type { ByteSource } from '../../src/octv/source';
-import { type Bytes, exampleFile, resealed, withMetadata, withWords } from './octv_file';
+import { type Bytes, colouredFile, exampleFile, resealed, withMetadata, withWords } from './octv_file';
 
 interface Read {
     facts?: FileFacts;
     words: number[];
     levels: number[];
     box?: CellBox;
+    layout?: CellLayout;
+    cellWords: number[];
     events: string[];
 }
 
 async function read(source: ByteSource | Bytes, maxDagBytes = Infinity): Promise<Read> {
-    const result: Read = { words: [], levels: [], events: [] };
+    const result: Read = { words: [], levels: [], cellWords: [], events: [] };
     await readOctv(
         source instanceof Uint8Array ? new MemorySource(source) : source,
         {
@@ -25,6 +30,10 @@ async function read(source: ByteSource | Bytes, maxDagBytes = Infinity): Promise
             words: (words) => (result.words.push(...words), result.events.push('words')),
             level: (level) => (result.levels.push(level), result.events.push(`level ${level}`)),
             bounds: (box) => (result.box = box),
+            cells: (layout) => (result.layout = layout),
+            cellWords: (words) => result.cellWords.push(...words),
+            cellsReady: () => result.events.push('cells'),
+            cellsLeftOut: (why) => result.events.push(why),
         },
         { maxDagBytes },
     );
@@ -173,5 +182,72 @@ describe('sources', () => {
         await expect(missing).rejects.toMatchObject({ kind: 'unreachable' });
         const dead = openUrl('x', (() => Promise.reject(new TypeError('network'))) as typeof fetch);
         await expect(dead).rejects.toMatchObject({ kind: 'unreachable' });
+    });
+});
+
+describe('colours and light', () => {
+    // The example's four voxels at level 3, and level 2, where there are three cells.
+    const colors = [24, 1, 3, 255, 0x00112233, 0x55_66_77_44, 0x99aabb88 & 0xffffff];
+    const light = Array.from({ length: 24 }, (_, i) => (i % 5 === 0 ? 0xf8000000 : i));
+    const file = (sections: Record<string, number[]>, level = 3, cells = 4): Promise<Bytes> => colouredFile(sections, level, cells);
+
+    it('of an .octv file come behind its levels', async () => {
+        const { events, layout, cellWords } = await read(await file({ ACOL: colors, LITE: light }));
+        expect(events.slice(-2)).toEqual(['level 1', 'cells']);
+        expect(layout).toEqual({ level: 3, words: 3 + 7 + 24, begins: [0, 3, undefined, undefined, undefined, 10] });
+        expect(cellWords).toEqual([4, 0, 3, ...colors, ...light].map((word) => word >>> 0));
+    });
+    it('are left out where they do not fit, light first', async () => {
+        const bytes = await file({ ACOL: colors, LITE: light });
+        const enough = 4 * (7 + 3 + 7);
+        const some = await read(bytes, enough);
+        expect(some.layout!.begins[5]).toBeUndefined();
+        expect(some.cellWords.length).toBe(10);
+        expect(some.events.at(-1)).toMatch(/light is left out/);
+        const none = await read(bytes, enough - 1);
+        expect(none.layout).toBeUndefined();
+        expect(none.events.at(-1)).toMatch(/Colours are left out/);
+    });
+    it.each<[string, Record<string, number[]>, number, number, string]>([
+        ['another number of cells', { ACOL: colors }, 3, 5, 'cells'],
+        ['a level below the voxels', { ACOL: colors }, 4, 4, 'attributes.level'],
+        ['another width', { ACOL: [32, ...colors.slice(1)] }, 3, 4, 'bits'],
+        ['another number of blocks', { ACOL: [24, 2, 4, 0, 0] }, 3, 4, 'blocks'],
+        ['no table', { ACOL: [24] }, 3, 4, 'cut off'],
+        ['a block before the data', { ACOL: [24, 1, 1, 255, 0, 0, 0] }, 3, 4, 'outside'],
+        ['a block behind the end', { ACOL: [24, 1, 7, 255, 0, 0, 0] }, 3, 4, 'outside'],
+        ['values cut off', { ACOL: [24, 1, 3, 255, 0, 0] }, 3, 4, 'past the end'],
+        ['an unknown form', { ACOL: [24, 1, 3, 9 | (1 << 8), 0, 0, 0] }, 3, 4, 'form'],
+        ['an empty palette', { ACOL: [24, 1, 3, 1, 0, 0, 0] }, 3, 4, 'form'],
+        ['a palette beside values', { ACOL: [24, 1, 3, 255 | (1 << 8), 0, 0, 0] }, 3, 4, 'palette'],
+        ['an index past its palette', { ACOL: [24, 1, 3, 2 | (3 << 8), 0, 0, 0xffffffff] }, 3, 4, 'palette'],
+        ['damaged backs', { ACOL: colors, ABCK: [32, 1, 3, 255, 0, 0, 0] }, 3, 4, 'ABCK'],
+        ['light of too few cells', { ACOL: colors, LITE: light.slice(6) }, 3, 4, 'LITE'],
+        ['light of too many cells', { ACOL: colors, LITE: [...light, 0] }, 3, 4, 'LITE'],
+    ])('are refused with %s', async (_, sections, level, cells, message) => {
+        const found = await fault(await file(sections, level, cells));
+        expect(found.kind).toBe('damaged');
+        expect(found.message).toContain(message);
+    });
+    it('never pass with a changed byte', async () => {
+        const bytes = await file({ ACOL: colors, LITE: light });
+        for (let at = bytes.length - 4096 - 96; at < bytes.length; at += 1) {
+            if (at >= bytes.length - 4096 - 68 && at < bytes.length - 96) continue; // between the sections
+            const changed = bytes.slice();
+            changed[at]! ^= 16;
+            await fault(changed);
+        }
+    });
+    it('have values that are read as the library reads them', () => {
+        const palette = [24, 1, 3, 1 | (2 << 8), 0xbb112233 | 0, 0x00_09_ccdd | 0];
+        expect(findValueFault(Uint32Array.from(palette), 4, 24)).toBeUndefined();
+        expect([0, 1, 2, 3].map((cell) => cellValue(Uint32Array.from(palette), cell))).toEqual([0xccddbb, 0x112233, 0x112233, 0xccddbb]);
+        expect(cellValue(Uint32Array.from([24, 1, 0]), 3)).toBe(0);
+    });
+    it('number the cells of every level', () => {
+        const levels = [Uint32Array.from([0x81, 3, 5]), Uint32Array.from([0x13, 0, 0, 0x80000000])];
+        expect(cellSums(levels, 3, 3)).toEqual({ sums: Uint32Array.from([4, 0, 3]), cells: 4 });
+        // Voxels 0 and 1 share a cell of level 2, voxel 4 is in that cell too: one and one.
+        expect(cellSums(levels, 3, 2)).toEqual({ sums: Uint32Array.from([2, 0, 1]), cells: 2 });
     });
 });

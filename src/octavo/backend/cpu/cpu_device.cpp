@@ -13,6 +13,9 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
+#include "octavo/light/cell_views.h"
+#include "octavo/render/effects.h"
+#include "octavo/render/render_lit.h"
 #include "octavo/trace/wide.h"
 #include "octavo/voxelize/tile_rasterizer.h"
 
@@ -24,12 +27,18 @@ constexpr std::size_t kRaysPerTask = 1024;
 
 class CpuDag final : public DeviceDag {
 public:
-    explicit CpuDag(const Dag& dag) : words(dag) {}
+    CpuDag(const Dag& dag, const Attributes& looks, const CellLight& cell_light)
+        : words(dag), attributes(looks), light(cell_light) {}
     Dag words;
+    Attributes attributes;
+    CellLight light;
 };
 
+const CpuDag& own(const DeviceDag& dag) {
+    return static_cast<const CpuDag&>(dag);
+}
 const Dag& words(const DeviceDag& dag) {
-    return static_cast<const CpuDag&>(dag).words;
+    return own(dag).words;
 }
 
 /// Calls trace(first, count) for parts of an array, on all threads. @return the seconds it took
@@ -49,8 +58,9 @@ class CpuDevice final : public Device {
 public:
     [[nodiscard]] const DeviceInfo& info() const override { return info_; }
 
-    [[nodiscard]] std::unique_ptr<DeviceDag> upload(const Dag& dag) override {
-        return std::make_unique<CpuDag>(dag);
+    [[nodiscard]] std::unique_ptr<DeviceDag> upload(const Dag& dag, const Attributes& attributes,
+                                                    const CellLight& light) override {
+        return std::make_unique<CpuDag>(dag, attributes, light);
     }
 
     double trace_closest(const DeviceDag& dag, std::span<const shared::GridRay> rays,
@@ -72,7 +82,24 @@ public:
 
     [[nodiscard]] Image render(const DeviceDag& dag, const Grid& grid,
                                const RenderOptions& options) override {
-        return octavo::render(words(dag), grid, options);
+        RenderOptions own_looks = options;
+        if (options.attributes != nullptr) {
+            if (own(dag).attributes.empty() && !words(dag).empty())
+                throw Error(Errc::bad_argument, "the DAG was uploaded without attributes");
+            own_looks.attributes = &own(dag).attributes;
+        }
+        return octavo::render(words(dag), grid, own_looks);
+    }
+
+    [[nodiscard]] Image render_cached(const DeviceDag& dag, const Grid& grid,
+                                      const RenderOptions& options) override {
+        LitScene scene;
+        scene.objects.push_back({.dag = words(dag),
+                                 .grid = grid,
+                                 .attributes = own(dag).attributes,
+                                 .light = own(dag).light});
+        scene.sky = options.sky.value_or(Sky::clear(options.up));
+        return render_lit(scene, Lighting::cached, options);
     }
 
     void visibility(const DeviceDag& dag, const Grid& grid, std::span<const vec3> positions,
@@ -80,6 +107,44 @@ public:
                     std::span<float> shadow, std::span<float> ambient) override {
         const std::vector<dvec3> in_double(positions.begin(), positions.end());
         octavo::visibility(words(dag), grid, in_double, normals, options, shadow, ambient);
+    }
+
+    void looks(const DeviceDag& dag, const Grid& grid, std::span<const vec3> positions,
+               std::span<const vec3> normals, const PointLooks& out) override {
+        check(positions.size(), normals.size(), out);
+        const Attributes& attributes = own(dag).attributes;
+        const CellLight& light = own(dag).light;
+        if (attributes.empty())
+            throw Error(Errc::bad_argument, "the DAG was uploaded without attributes");
+        if (!out.light.empty() && light.empty())
+            throw Error(Errc::bad_argument, "the DAG was uploaded without stored light");
+        const shared::DagView dag_view = shared::view(words(dag));
+        for_each_task(positions.size(), [&](std::size_t first, std::size_t count) {
+            for (std::size_t i = first; i < first + count; ++i) {
+                vec3 albedo(0.0f), emission(0.0f), sent(0.0f);
+                if (const auto before = lifted_start(grid, dvec3(positions[i]), normals[i], 1.0)) {
+                    const dvec3 at = grid.to_grid(dvec3(positions[i]));
+                    const vec3 normal = glm::normalize(normals[i]);
+                    if (const auto cell = attributes.cell_at(at)) {
+                        albedo = attributes.has_color()
+                                     ? linear_from_srgb8(attributes.color(*cell, normal))
+                                     : shared::clay();
+                        emission = attributes.emission(*cell, normal);
+                    }
+                    const dvec3 voxel = glm::floor(at);
+                    const shared::GridRay surface{ivec3(voxel), vec3(at - voxel), normal, 0.0f,
+                                                  1e30f};
+                    if (!out.light.empty())
+                        sent = cached_light(
+                            dag_view, shared::view(attributes.cells()), shared::view(light),
+                            surface, {before->cell, before->frac, normal, shared::kFaceNone, 0, 1},
+                            shared::kFaceNone);
+                }
+                if (!out.albedo.empty()) out.albedo[i] = albedo;
+                if (!out.emission.empty()) out.emission[i] = emission;
+                if (!out.light.empty()) out.light[i] = sent;
+            }
+        });
     }
 
 private:

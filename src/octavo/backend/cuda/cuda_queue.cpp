@@ -110,8 +110,8 @@ public:
         finish();
     }
 
-    [[nodiscard]] shared::DagView upload(std::span<const std::uint32_t> words, int depth) override {
-        if (words.empty()) return {nullptr, 0};
+    [[nodiscard]] shared::WordArray upload(std::span<const std::uint32_t> words) override {
+        if (words.empty()) return {};
         const std::uint64_t address = allocate(words.size_bytes());
         try {
             write(address, std::as_bytes(words));
@@ -119,10 +119,10 @@ public:
             release(address);
             throw;
         }
-        return {reinterpret_cast<const shared::uint*>(address), depth};
+        return {reinterpret_cast<const shared::uint*>(address)};
     }
-    void release(const shared::DagView& dag) noexcept override {
-        if (dag.words != nullptr) release(reinterpret_cast<std::uint64_t>(dag.words));
+    void release(const shared::WordArray& words) noexcept override {
+        if (words.at != nullptr) release(reinterpret_cast<std::uint64_t>(words.at));
     }
 
     void run(Pass pass, const shared::RayJob& job, std::uint64_t threads) override {

@@ -6,14 +6,13 @@
 
 namespace octavo::cuda {
 
-Effects::Effects(const Dag& dag, const Grid& grid, int device, CUstream_st* stream)
+Effects::Effects(const Dag& dag, const Grid& grid, int device, CUstream_st* stream,
+                 const Attributes& attributes, const CellLight& light)
     : queue_(open_queue(device, stream)),
       grid_(grid),
-      dag_(queue_->upload(dag.words(), dag.empty() ? 0 : dag.depth())) {}
+      model_(std::make_unique<GpuModel>(*queue_, dag, attributes, light)) {}
 
-Effects::~Effects() {
-    queue_->release(dag_);
-}
+Effects::~Effects() = default;
 
 void Effects::visibility(const DeviceGBuffer& gbuffer, const VisibilityOptions& options,
                          float* shadow, float* ambient) {
@@ -22,7 +21,11 @@ void Effects::visibility(const DeviceGBuffer& gbuffer, const VisibilityOptions& 
     std::unique_ptr<GpuLamp> lamp;
     if (options.light && shadow != nullptr)
         lamp = std::make_unique<GpuLamp>(*queue_, *options.light, grid_);
-    queue_visibility(*queue_, dag_, grid_, gbuffer, lamp.get(), options, shadow, ambient);
+    queue_visibility(*queue_, model_->dag, grid_, gbuffer, lamp.get(), options, shadow, ambient);
+}
+
+void Effects::looks(const DeviceGBuffer& gbuffer, const DevicePointLooks& out) {
+    queue_looks(*queue_, *model_, grid_, gbuffer, out);
 }
 
 }  // namespace octavo::cuda

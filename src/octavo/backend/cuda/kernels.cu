@@ -10,6 +10,7 @@ constexpr unsigned kBlockThreads = 128;
 
 using shared::PixelJob;
 using shared::RayJob;
+static_assert(sizeof(PixelJob) <= 4096, "an argument of a kernel");
 
 // A kernel for each pass: a job is its argument, which lies in constant memory.
 #define OCTAVO_KERNEL(pass, Job)                                                             \
@@ -30,6 +31,9 @@ OCTAVO_KERNEL(light, PixelJob)
 OCTAVO_KERNEL(shade, PixelJob)
 OCTAVO_KERNEL(ambient_out, PixelJob)
 OCTAVO_KERNEL(shadow_out, PixelJob)
+OCTAVO_KERNEL(looks, PixelJob)
+OCTAVO_KERNEL(cached, PixelJob)
+OCTAVO_KERNEL(gbuffer_looks, PixelJob)
 #undef OCTAVO_KERNEL
 
 template <typename Job>
@@ -69,6 +73,12 @@ int launch(Pass pass, const PixelJob& job, std::uint32_t threads, CUstream_st* s
             return start(ambient_out_kernel, job, threads, stream);
         case Pass::shadow_out:
             return start(shadow_out_kernel, job, threads, stream);
+        case Pass::looks:
+            return start(looks_kernel, job, threads, stream);
+        case Pass::cached:
+            return start(cached_kernel, job, threads, stream);
+        case Pass::gbuffer_looks:
+            return start(gbuffer_looks_kernel, job, threads, stream);
         default:
             return static_cast<int>(cudaErrorInvalidValue);
     }

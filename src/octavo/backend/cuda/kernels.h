@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "octavo/light/cell_views.h"
+#include "octavo/light/sky.h"
 #include "octavo/render/effects.h"
 
 #include "octavo/backend/passes.h"

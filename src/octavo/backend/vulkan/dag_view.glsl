@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Where the words of a DAG lie in Vulkan: behind one address, or, of a DAG that is larger than one
-// buffer may be, in pages of 2^kPageShift words whose addresses stand in a table.
+// buffer may be, in pages of 2^kPageShift words whose addresses stand in a table. The shift is known
+// when a pipeline is made, as the loads of a ray are what its time goes into.
 
 layout(constant_id = 0) const int kPageShift = 0;  // 0: no pages
 

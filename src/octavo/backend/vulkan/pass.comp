@@ -16,6 +16,14 @@
 
 #include "octavo/trace/beam.h"
 
+#include "octavo/backend/vulkan/cell_views.glsl"
+
+#include "octavo/attributes/cell_rank.h"
+#include "octavo/attributes/cell_value.h"
+
+#include "octavo/attributes/cell_looks.h"
+#include "octavo/light/sky_radiance.h"
+
 #include "octavo/light/sampling.h"
 
 #include "octavo/render/ambient_occlusion.h"
@@ -23,6 +31,14 @@
 #include "octavo/light/shade.h"
 #include "octavo/light/shadow.h"
 #include "octavo/light/surface.h"
+
+#include "octavo/light/cell_light.h"
+#include "octavo/light/lamp_triangle.h"
+
+OCTAVO_ARRAY(LampTriangles, LampTriangle)
+LampTriangle lamp_triangle(LampTriangles triangles, int number) {
+    return triangles.at[number];
+}
 
 #include "octavo/light/lamp_light.h"
 #include "octavo/light/smooth_normal.h"

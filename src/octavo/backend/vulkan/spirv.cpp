@@ -41,6 +41,15 @@ constexpr std::uint32_t kAmbientOut[] =
 constexpr std::uint32_t kShadowOut[] =
 #include "shadow_out.inc"
     ;
+constexpr std::uint32_t kLooks[] =
+#include "looks.inc"
+    ;
+constexpr std::uint32_t kCached[] =
+#include "cached.inc"
+    ;
+constexpr std::uint32_t kGbufferLooks[] =
+#include "gbuffer_looks.inc"
+    ;
 
 }  // namespace
 
@@ -70,6 +79,12 @@ std::span<const std::uint32_t> spirv(Pass pass) {
             return kLight;
         case Pass::shadow_out:
             return kShadowOut;
+        case Pass::looks:
+            return kLooks;
+        case Pass::cached:
+            return kCached;
+        case Pass::gbuffer_looks:
+            return kGbufferLooks;
     }
     return {};
 }

@@ -196,35 +196,36 @@ public:
         }
     }
 
-    [[nodiscard]] shared::DagView upload(std::span<const std::uint32_t> words, int depth) override {
-        if (words.empty()) return {nullptr, 0};
+    [[nodiscard]] shared::WordArray upload(std::span<const std::uint32_t> words) override {
+        if (words.empty()) return {};
         const std::span<const std::byte> bytes = std::as_bytes(words);
         std::vector<std::uint64_t> pages;
+        std::uint64_t table = 0;
         try {
             for (std::uint64_t at = 0; at < bytes.size(); at += page_bytes_) {
                 const std::uint64_t some = std::min(page_bytes_, bytes.size() - at);
                 pages.push_back(allocate(some));
                 write(pages.back(), bytes.subspan(at, some));
             }
-            std::uint64_t address = pages.front();
-            if (pages.size() > 1) {
-                address = allocate(pages.size() * sizeof(std::uint64_t));
-                paged_dags_[address] = pages;
-                write(address, std::as_bytes(std::span(pages)));
-            }
-            return {reinterpret_cast<const shared::uint*>(address), depth};
+            if (pages.size() == 1)
+                return {reinterpret_cast<const shared::uint*>(pages.front()), 0, 0};
+            table = allocate(pages.size() * sizeof(std::uint64_t));
+            write(table, std::as_bytes(std::span(pages)));
+            paged_[table] = pages;
+            return {reinterpret_cast<const shared::uint*>(table), page_shift(), 0};
         } catch (...) {
             for (const std::uint64_t page : pages) release(page);
+            if (table != 0) release(table);
             throw;
         }
     }
 
-    void release(const shared::DagView& dag) noexcept override {
-        const auto address = reinterpret_cast<std::uint64_t>(dag.words);
+    void release(const shared::WordArray& words) noexcept override {
+        const auto address = reinterpret_cast<std::uint64_t>(words.at);
         if (address == 0) return;
-        if (const auto paged = paged_dags_.find(address); paged != paged_dags_.end()) {
+        if (const auto paged = paged_.find(address); paged != paged_.end()) {
             for (const std::uint64_t page : paged->second) release(page);
-            paged_dags_.erase(paged);
+            paged_.erase(paged);
         }
         release(address);
     }
@@ -300,7 +301,7 @@ private:
         std::memcpy(h_.jobs.mapped + job_offset, &job, sizeof(Job));
         jobs_used_ = (job_offset + sizeof(Job) + 255) / 256 * 256;
 
-        const bool paged = paged_dags_.contains(reinterpret_cast<std::uint64_t>(job.dag.words));
+        const bool paged = paged_.contains(reinterpret_cast<std::uint64_t>(job.dag.words));
         const VkPipeline bound = pipeline(pass, paged);
         begin();
         h_.f.vkCmdBindPipeline(h_.commands, VK_PIPELINE_BIND_POINT_COMPUTE, bound);
@@ -318,6 +319,11 @@ private:
         barrier();
     }
 
+    /// Words of a page, as a power of two.
+    [[nodiscard]] std::int32_t page_shift() const {
+        return std::countr_zero(page_bytes_ / sizeof(std::uint32_t));
+    }
+
     VkPipeline pipeline(Pass pass, bool paged) {
         VkPipeline& made = h_.pipelines[static_cast<std::size_t>(pass)][paged ? 1 : 0];
         if (made != nullptr) return made;
@@ -329,10 +335,9 @@ private:
         VkShaderModule module = nullptr;
         check(h_.f.vkCreateShaderModule(h_.device, &module_info, nullptr, &module),
               "loading a shader");
-        const std::int32_t page_shift =
-            paged ? std::countr_zero(page_bytes_ / sizeof(std::uint32_t)) : 0;
-        const VkSpecializationMapEntry entry{0, 0, sizeof(page_shift)};
-        const VkSpecializationInfo constants{1, &entry, sizeof(page_shift), &page_shift};
+        const std::int32_t shift = paged ? page_shift() : 0;
+        const VkSpecializationMapEntry entry{0, 0, sizeof(shift)};
+        const VkSpecializationInfo constants{1, &entry, sizeof(shift), &shift};
         VkComputePipelineCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
         info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -353,7 +358,7 @@ private:
     bool recording_ = false;
     std::uint64_t jobs_used_ = 0;
     std::vector<std::uint64_t> waiting_release_;
-    std::map<std::uint64_t, std::vector<std::uint64_t>> paged_dags_;  // table -> its pages
+    std::map<std::uint64_t, std::vector<std::uint64_t>> paged_;  // table -> its pages
 };
 
 }  // namespace

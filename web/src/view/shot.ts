@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+//
+// What a scene, a camera and the settings ask for: of this machine's GPU, and of another machine.
+import type { Shot } from '../gl/renderer';
+import type { Metadata } from '../octv/metadata';
+import type { Wish } from '../remote_painter';
+import { type Scene, hasStoredLight, openLevel } from '../scene';
+import { type Axes, type Camera, cameraUniforms, diagonalOf, forwardOf } from './camera';
+import { type PlacedLamps, placeLamps } from './lamps';
+import { lightsOf } from './lights';
+import type { Settings } from './settings';
+import { storedSky } from './sky';
+
+/** Keeps the lamps as long as they are the same, so that they are placed and uploaded once. */
+export class LampPlacer {
+    private last: { key: string; metadata: Metadata; lamps: PlacedLamps } | undefined;
+
+    place(scene: Scene, settings: Settings, axes: Axes): PlacedLamps {
+        const { light, sunAzimuth, sunElevation, sunSize, up } = settings;
+        const key = JSON.stringify([light, sunAzimuth, sunElevation, sunSize, up, scene.box]);
+        if (this.last?.key !== key || this.last.metadata !== scene.metadata) {
+            const lights = lightsOf(settings, scene.metadata, axes, scene.box!);
+            this.last = { key, metadata: scene.metadata, lamps: placeLamps(lights, scene.metadata.grid) };
+        }
+        return this.last.lamps;
+    }
+}
+
+export function shotOf(scene: Scene, camera: Camera, settings: Settings, axes: Axes, lamps: PlacedLamps, canvas: { width: number; height: number }): Shot {
+    const { grid } = scene.metadata;
+    const uniforms = cameraUniforms(camera, axes, grid, canvas.width, canvas.height);
+    const level = Math.min(openLevel(scene), settings.finestLevel);
+    return {
+        camera: uniforms,
+        depth: scene.loadedLevels > 0 ? grid.depth : 0,
+        gridDepth: grid.depth,
+        stopHeight: grid.depth - level,
+        cone: settings.detail * uniforms.pitch,
+        mode: settings.mode,
+        smooth: settings.smooth,
+        stored: settings.stored && hasStoredLight(scene) ? storedSky(scene.metadata.storedLight!.sky) : undefined,
+        up: axes.y,
+        skySamples: settings.ambient ? 4 : 0,
+        skyRadius: (0.01 * settings.ambientRadius * diagonalOf(scene.box!)) / grid.voxelSize,
+        shadows: settings.shadows,
+        lamps,
+    };
+}
+
+const kMostSide = 4096; // pixels, of another machine's picture
+
+export function wishOf(scene: Scene, camera: Camera, settings: Settings, axes: Axes, canvas: { width: number; height: number }): Wish {
+    const radians = Math.PI / 180;
+    return {
+        width: Math.min(kMostSide, canvas.width),
+        height: Math.min(kMostSide, canvas.height),
+        eye: camera.eye,
+        forward: forwardOf(camera, axes),
+        up: axes.y,
+        fov: camera.verticalFov,
+        shadows: settings.shadows,
+        ambient: settings.ambient,
+        reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
+        smooth: settings.smooth,
+        stored: settings.stored && scene.metadata.storedLight !== undefined,
+        light: settings.light,
+        azimuth: settings.sunAzimuth * radians,
+        elevation: settings.sunElevation * radians,
+        size: settings.sunSize * radians,
+        exposure: settings.exposure,
+    };
+}
