@@ -332,6 +332,7 @@ TEST_F(View, SaysWhyItDoesNotStart) {
 const std::string kWish =
     R"({"page":"p","number":1,"width":64,"height":40,"eye":[0,10,15],"forward":[0,-0.3,-1],)"
     R"("up":[0,1,0],"fov":0.8,"shadows":"soft","ambient":true,"reach":2,"smooth":true,)"
+    R"("stored":false,)"
     R"("light":-1,"azimuth":0.5,"elevation":0.7,"size":0.02,"exposure":0})";
 
 TEST_F(View, RenderHereSendsPicturesThatGrowSharper) {
