@@ -116,8 +116,9 @@ void add_light_command(CLI::App& program) {
         ->type_name("N")
         ->check(within(0, LightOptions::kMostBounces));
     command
-        .add_option("--rays", arguments->options.around_rays,
-                    "Rays over the hemisphere of each side of a cell, for each bounce; 64")
+        .add_option(
+            "--rays", arguments->options.around_rays,
+            "Rays over the hemisphere of each side of a cell, for the sky and all bounces; 64")
         ->type_name("N")
         ->check(within(1, 65536));
     command
