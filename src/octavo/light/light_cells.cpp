@@ -8,8 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -19,6 +19,8 @@
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
+#include "octavo/light/cell_words.h"
+#include "octavo/light/change_reach.h"
 #include "octavo/light/gather.h"
 #include "octavo/light/side_starts.h"
 
@@ -53,67 +55,16 @@ void check(const LightOptions& o) {
     if (!(o.tolerance >= 0.0)) refuse("the tolerance of light is 0 or more");
 }
 
-std::array<float, 256> linear_of_bytes() {
-    std::array<float, 256> linear{};
-    for (unsigned i = 0; i < 256; ++i) {
-        const auto byte = static_cast<std::uint8_t>(i);
-        linear[i] = linear_from_srgb8({byte, byte, byte}).x;
-    }
-    return linear;
-}
-
 float greatest(const vec3& v) {
     return std::max({v.r, v.g, v.b});
-}
-
-double distance(const Box& a, const Box& b) {
-    return glm::length(glm::max(dvec3(0.0), glm::max(a.low - b.high, b.low - a.high)));
-}
-
-struct Ball {
-    dvec3 middle{0.0};
-    double radius = 0.0;
-};
-
-Ball ball_of(const Box& box) {
-    return {box.centre(), 0.5 * glm::length(box.size())};
-}
-
-/// Whether a ball may touch a straight line from one ball to another.
-bool between(const Ball& ball, const Ball& from, const Ball& to) {
-    const dvec3 way = to.middle - from.middle;
-    const double length2 = glm::dot(way, way);
-    const double along =
-        length2 > 0.0 ? std::clamp(glm::dot(ball.middle - from.middle, way) / length2, 0.0, 1.0)
-                      : 0.0;
-    return glm::length(ball.middle - (from.middle + along * way)) <=
-           ball.radius + std::max(from.radius, to.radius);
-}
-
-/// The same where the lines go on for ever, in a cone of this half angle about a direction.
-bool between(const Ball& ball, const Ball& from, const dvec3& direction, double angle) {
-    const dvec3 way = ball.middle - from.middle;
-    const double along = glm::dot(way, direction);
-    const double reach = ball.radius + from.radius;
-    if (along < -reach) return false;
-    const double across = glm::length(way - along * direction);
-    return across <= reach + (std::max(along, 0.0) + reach) * std::tan(std::min(angle, 1.5));
-}
-
-/// The part of a hemisphere, by the cosine, that a ball covers at most.
-double covered(const Box& from, const Ball& ball) {
-    const dvec3 nearest = glm::clamp(ball.middle, from.low, from.high);
-    const double way = glm::length(nearest - ball.middle);
-    return way <= ball.radius ? 1.0 : ball.radius * ball.radius / (way * way);
 }
 
 // The steps by which the rest of the light is estimated.
 constexpr int kRestSteps = 4;
 constexpr float kMostRatio = 0.98f;  // from one to the next: whiter walls do not exist
 
-constexpr std::uint32_t kNoTarget = 0xffffffffu;
-
 using Words = std::vector<std::uint32_t>;
+constexpr std::uint32_t kNoWord = CellWords::kNone;
 
 }  // namespace
 
@@ -131,17 +82,19 @@ struct ObjectLight {
 
 class CellLighter::State {
 public:
-    State(LitScene& scene, const LightOptions& options) : scene_(scene), options_(options) {
+    State(LitScene& scene, const LightOptions& options)
+        : scene_(scene), options_(options), cells_(scene) {
         check(options);
         options_.around_rays = (options.around_rays + kStarts - 1) / kStarts * kStarts;
         world_.emplace(scene_);
-        count_words();
+        check_size();
         with_threads(options_.threads, [&] {
+            cells_.find_colors(scene_);
             std::uint64_t sides = 0;
             for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
                 objects_.emplace_back();
                 objects_.back().object = i;
-                objects_.back().first_word = first_words_[i];
+                objects_.back().first_word = cells_.first_word(i);
                 if (!scene_.objects[i].attributes.empty()) find_sides(objects_.back());
                 sides += objects_.back().sides.size();
             }
@@ -223,7 +176,7 @@ public:
     }
 
     [[nodiscard]] std::uint64_t size_bytes() const {
-        std::uint64_t bytes = albedo_.size() * sizeof(std::uint32_t);
+        std::uint64_t bytes = cells_.size() * sizeof(std::uint32_t);
         for (const auto& words : words_) bytes += words->size() * sizeof(std::uint32_t);
         bytes += rest_.size() * sizeof(std::uint32_t);
         for (const ObjectLight& o : objects_)
@@ -239,81 +192,20 @@ private:
     /// For each object and block 1 or 0; empty: none.
     using Flags = std::vector<std::vector<std::uint8_t>>;
 
-    /// Gives each object its words in the arrays that all share, and finds their colours.
-    void count_words() {
-        std::size_t words = 0;
-        for (const LitObject& object : scene_.objects) {
-            first_words_.push_back(words);
-            if (!object.attributes.empty()) words += 6 * object.attributes.cells().count();
-            if (words / 6 > CellLight::kMostCells)
-                throw Error(Errc::limit, "light is for at most 715 million cells; this has " +
-                                             std::to_string(words / 6));
-        }
-        // A small file may have attributes of very many cells, where they are all alike.
-        const std::uint64_t bytes =
-            sizeof(std::uint32_t) * words * (static_cast<std::uint64_t>(options_.bounces) + 2);
+    /// Refuses what has no room, and makes room for the light. A small file may have attributes of
+    /// very many cells, where they are all alike.
+    void check_size() {
+        const std::uint64_t bytes = sizeof(std::uint32_t) * cells_.size() *
+                                    (static_cast<std::uint64_t>(options_.bounces) + 2);
         if (bytes > machine_memory_bytes() / 2)
-            throw Error(Errc::limit, "the light of " + std::to_string(words / 6) + " cells and " +
-                                         std::to_string(options_.bounces) + " bounces takes " +
-                                         std::to_string(bytes) +
+            throw Error(Errc::limit, "the light of " + std::to_string(cells_.size() / 6) +
+                                         " cells and " + std::to_string(options_.bounces) +
+                                         " bounces takes " + std::to_string(bytes) +
                                          " bytes, more than half of this machine's memory");
-        albedo_.resize(words);
         for (int bounce = 0; bounce <= options_.bounces; ++bounce)
-            words_.push_back(std::make_shared<Words>(words, CellLight::kHidden));
-        if (closes()) rest_.assign(words, CellLight::kHidden);
-        with_threads(options_.threads, [&] {
-            for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
-                const Attributes& attributes = scene_.objects[i].attributes;
-                if (attributes.empty()) continue;
-                tbb::parallel_for(
-                    std::uint64_t{0}, attributes.cells().count(), [&](std::uint64_t cell) {
-                        for (int d = 0; d < 6; ++d)
-                            albedo_[word_of({i, cell, d})] = packed_albedo(attributes, cell, d);
-                    });
-            }
-        });
+            words_.push_back(std::make_shared<Words>(cells_.size(), CellLight::kHidden));
+        if (closes()) rest_.assign(cells_.size(), CellLight::kHidden);
     }
-
-    /// The colour in sRGB bytes, which are exact, or kClay; and kSeen where the side can be seen.
-    static constexpr std::uint32_t kClay = 1u << 24;
-    static constexpr std::uint32_t kSeen = 1u << 25;
-    [[nodiscard]] static std::uint32_t packed_albedo(const Attributes& attributes,
-                                                     std::uint64_t cell, int direction) {
-        if (!attributes.has_color()) return kClay;
-        const Rgb8 color = attributes.color(cell, direction_vector(direction));
-        return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 |
-               std::uint32_t{color[2]} << 16;
-    }
-    [[nodiscard]] vec3 albedo(std::uint32_t word) const {
-        const std::uint32_t color = albedo_[word];
-        if ((color & kClay) != 0) return shared::clay();
-        return {linear_[color & 255u], linear_[color >> 8 & 255u], linear_[color >> 16 & 255u]};
-    }
-
-    [[nodiscard]] std::uint32_t word_of(const CellSide& side) const {
-        if (side.cell == CellSide::kNoCell) return kNoTarget;
-        return static_cast<std::uint32_t>(first_words_[side.object] + 6 * side.cell +
-                                          static_cast<std::size_t>(side.direction));
-    }
-
-    /// The word whose light comes along a ray. A ray that runs along an edge of a wall may meet a
-    /// side that is hidden: then it takes the side that faces it most of those that it could see,
-    /// if there is one; compare shared::side_light().
-    [[nodiscard]] std::uint32_t target_of(const Gatherer::MetSide& met) const {
-        const std::uint32_t word = word_of(met.side);
-        if (word == kNoTarget || seen(word)) return word;
-        std::uint32_t best = kNoTarget;
-        float most = 0.0f;
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::uint32_t other = word_of(
-                {met.side.object, met.side.cell, 2 * axis + (met.towards[axis] > 0.0f ? 1 : 0)});
-            if (!seen(other) || !(std::abs(met.towards[axis]) > most)) continue;
-            most = std::abs(met.towards[axis]);
-            best = other;
-        }
-        return best;
-    }
-    [[nodiscard]] bool seen(std::uint32_t word) const { return (albedo_[word] & kSeen) != 0; }
 
     [[nodiscard]] std::size_t row_length() const {
         return static_cast<std::size_t>(options_.around_rays);
@@ -347,7 +239,7 @@ private:
     [[nodiscard]] vec3 sent_to(std::span<const std::uint32_t> row, const Words& light) const {
         vec3 sum(0.0f);
         for (const std::uint32_t word : row)
-            if (word != kNoTarget) sum += albedo(word) * unpack_rgb9e5(light[word]);
+            if (word != kNoWord) sum += cells_.albedo(word) * unpack_rgb9e5(light[word]);
         return sum / static_cast<float>(row.size());
     }
 
@@ -398,8 +290,8 @@ private:
             for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
                 vec3 sum(0.0f);
                 for (const std::uint32_t word : row)
-                    if (word != kNoTarget)
-                        sum += albedo(word) * (1.0f + unpack_rgb9e5(rest_[word]));
+                    if (word != kNoWord)
+                        sum += cells_.albedo(word) * (1.0f + unpack_rgb9e5(rest_[word]));
                 found[i] = pack_rgb9e5(sum / static_cast<float>(row.size()));
             });
         });
@@ -459,7 +351,7 @@ private:
             block.end = o.sides.size();
             if (block.first < block.end) o.blocks.push_back(block);
         }
-        for (const Side& side : o.sides) albedo_[word_of(o, side)] |= kSeen;
+        for (const Side& side : o.sides) cells_.set_seen(word_of(o, side));
         place_blocks(o);
         o.from_lamps.resize(o.sides.size(), vec3(0.0f));
         o.from_sources.resize(o.sides.size(), vec3(0.0f));
@@ -548,7 +440,7 @@ private:
         for (std::size_t i = block.first; i < block.end; ++i) {
             o.from_sources[i] = gatherer.light(i - block.first);
             for (const Gatherer::MetSide& met : gatherer.sides(i - block.first))
-                *to++ = target_of(met);
+                *to++ = cells_.target(met.side, met.towards);
         }
         rays_ += gatherer.rays_traced();
         sides_done_ += block.end - block.first;
@@ -575,7 +467,7 @@ private:
             const std::uint32_t next = pack_rgb9e5(sum(o, i, bounce));
             if (next == words[at]) continue;
             const vec3 change = glm::abs(unpack_rgb9e5(next) - unpack_rgb9e5(words[at]));
-            flux += static_cast<double>(greatest(change * albedo(at)));
+            flux += static_cast<double>(greatest(change * cells_.albedo(at)));
             words[at] = next;
         }
         // A cell shows at most sqrt(3) of its face's area in any direction.
@@ -635,7 +527,7 @@ private:
                 bool all = o.object == moved, lamp = all, look = all || scene_.sky.uneven();
                 for (const Ball& ball : {before, after}) {
                     for (const Light& light : scene_.lights)
-                        lamp = lamp || shades(ball, light, box);
+                        lamp = lamp || shades(ball, light, box, world_->instances().grid());
                     look = look || covered(box, ball) > options_.move_tolerance ||
                            (!shining.empty() && between(ball, block, ball_of(shining)));
                 }
@@ -655,35 +547,6 @@ private:
         }
         if (closes()) find_rest(objects_[moved]);
         return changes;
-    }
-
-    /// Whether a ball may be between a lamp and a box.
-    [[nodiscard]] bool shades(const Ball& ball, const Light& light, const Box& box) const {
-        const Grid& grid = world_->instances().grid();
-        if (light.kind == Light::Kind::sun)
-            return between(ball, ball_of(box), -light.direction, light.size);
-        if (!reaches(light, {grid.to_world(box.low), grid.to_world(box.high)})) return false;
-        Box lamp;
-        lamp.extend(light.position);
-        if (light.kind == Light::Kind::mesh) lamp = {};
-        for (const auto& t : light.triangles)
-            for (const dvec3& corner : t) lamp.extend(corner);
-        if (lamp.empty()) return false;
-        const double size = light.size + glm::length(light.half_u) + glm::length(light.half_v);
-        return between(ball, ball_of(box),
-                       Ball{grid.to_grid(lamp.centre()),
-                            (size + 0.5 * glm::length(lamp.size())) / grid.voxel_size});
-    }
-
-    [[nodiscard]] static bool reaches(const Light& light, const Box& box) {
-        const double reach = light_reach(light, LightGrid::kLeast);
-        if (!std::isfinite(reach)) return true;
-        Box lamp;
-        lamp.extend(light.position);
-        for (const auto& t : light.triangles)
-            for (const dvec3& corner : t) lamp.extend(corner);
-        if (!light.triangles.empty()) lamp.extend(lamp.centre());
-        return distance(lamp, box) <= reach;
     }
 
     /// Gathers a bounce anew where the light before it changed by enough.
@@ -754,13 +617,11 @@ private:
     LightOptions options_;
     std::optional<LitWorld> world_;
     std::vector<ObjectLight> objects_;
-    std::vector<std::size_t> first_words_;       // of each object
-    std::vector<std::uint32_t> albedo_;          // of each word, see packed_albedo()
+    CellWords cells_;
     std::vector<std::shared_ptr<Words>> words_;  // the light as it is stored, for each number of
                                                  // bounces, from 0
     Words rest_;  // of each side, what an even light around it adds up to; see find_rest()
     bool keeps_rows_ = false;
-    const std::array<float, 256> linear_ = linear_of_bytes();
 
     LightReport report_;
     std::atomic<std::uint64_t> rays_ = 0, sides_done_ = 0;
