@@ -82,7 +82,6 @@ std::unique_ptr<PartFile> Scratch::make_merged_part() const {
 
 FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key, int top) {
     FoundParts found;
-    auto& [parts, others] = found;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
         const std::string name = entry.path().filename().string();
@@ -90,18 +89,18 @@ FoundParts find_parts(const std::filesystem::path& folder, std::uint64_t key, in
         auto part =
             name.starts_with(kPartPrefix) ? PartFile::open(entry.path(), key, top) : nullptr;
         if (part) {
-            parts.push_back(std::move(part));
+            found.parts.push_back(std::move(part));
         } else {
-            others.push_back(entry.path());
+            found.others.push_back(entry.path());
         }
     }
-    std::ranges::sort(parts, {}, [](const auto& part) { return part->state().first_tile; });
+    std::ranges::sort(found.parts, {}, [](const auto& part) { return part->state().first_tile; });
     std::uint64_t end = 0;
-    std::erase_if(parts, [&](const auto& part) {
+    std::erase_if(found.parts, [&](const auto& part) {
         const PartState& state = part->state();
         const bool keep = state.first_tile >= end && state.end_tile > state.first_tile;
         if (keep) end = state.end_tile;
-        if (!keep) others.push_back(part->file().path());
+        if (!keep) found.others.push_back(part->file().path());
         return !keep;
     });
     return found;
