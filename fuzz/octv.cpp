@@ -176,12 +176,13 @@ void run_octv(Bytes bytes) {
     // The first of the two takes the slow check, the second the quick one.
     static constexpr std::array<std::string_view, 6> kHarmless = {
         "node-duplicate", "node-order", "node-unreachable", "padding", "gap", "trailing-bytes"};
-    require(lenient.valid() == std::ranges::all_of(validation.findings,
-                                                   [](const Finding& finding) {
-                                                       return std::ranges::find(kHarmless,
-                                                                                finding.code) !=
-                                                              kHarmless.end();
-                                                   }),
+    require(validation.findings.size() == 100 ||
+                lenient.valid() == std::ranges::all_of(validation.findings,
+                                                       [](const Finding& finding) {
+                                                           return std::ranges::find(kHarmless,
+                                                                                    finding.code) !=
+                                                                  kHarmless.end();
+                                                       }),
             "quick and slow checks agree");
     require(validation.findings.size() <= 100, "at most 100 findings");
 

@@ -184,7 +184,10 @@ public:
         // cannot be.
         for (std::size_t level = leaf_level_; level-- > 0 && !full();) check_pointers(level);
         if (faults_.empty()) check_voxels();
-        if (faults_.empty() && options_.strict) check_strictly();
+        if (faults_.empty() && options_.strict) {
+            check_strictly();
+            for (DagFault& fault : faults_) fault.strict_only = true;
+        }
         std::ranges::stable_sort(faults_, {}, &DagFault::word);
         return std::move(faults_);
     }

@@ -15,6 +15,7 @@ struct DagFault {
     std::string_view code;  // as in Finding
     std::uint64_t word = 0;
     std::string reason;
+    bool strict_only = false;  // the DAG can be read all the same
 };
 
 /// What is said of a DAG, to be compared with what it is. Empty: not compared.

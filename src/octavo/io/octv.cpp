@@ -178,7 +178,7 @@ std::optional<Metadata> read_metadata(Source& source, const Section& section, Re
                               "the metadata is larger than 16 MiB", section.offset);
         source.fetch(section);
     });
-    if (!reading.findings.empty()) return metadata;
+    if (!reading.usable) return metadata;
     reading.check(reading.times.checksum,
                   [&] { verify_checksum(source.bytes(), section, reading.path); });
     reading.check(reading.times.validate, [&] {
@@ -224,7 +224,7 @@ void check_nodes(const Section& section, std::span<const std::uint64_t> begins,
         if (!reading.collect)
             throw FormatError(Errc::bad_input, fault.code, reading.path, finding.message,
                               finding.offset);
-        reading.add(std::move(finding));
+        reading.add(std::move(finding), fault.strict_only);
     }
 }
 
@@ -277,12 +277,12 @@ CellValues read_channel(Source& source, const Section& section, std::uint64_t ce
         allow_decompressed(section, reading);
         source.fetch(section);
     });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     const bool trusted = reading.options.trusted;
     if (!trusted)
         reading.check(reading.times.checksum,
                       [&] { verify_checksum(source.bytes(), section, reading.path); });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     reading.check(reading.times.decompress,
                   [&] { words = read_words(source, section, reading.path); });
     if (!trusted)
@@ -291,7 +291,7 @@ CellValues read_channel(Source& source, const Section& section, std::uint64_t ce
                 refuse("attribute-values",
                        ": " + fault->reason + " (word " + std::to_string(fault->word) + ")");
         });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     return {words.words, cells, words.owner};
 }
 
@@ -305,13 +305,13 @@ Attributes read_attributes(Source& source, const std::vector<Section>& sections,
                                   " cells, and the DAG has " + std::to_string(cells.count()),
                               find_section(sections, kMetadataSection, reading.path).offset);
     });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     std::array<CellValues, Attributes::kChannels> channels;
     for (std::size_t c = 0; c < channels.size(); ++c)
         if (const Section* section = find_optional(sections, kAttributeSections[c]))
             channels[c] =
                 read_channel(source, *section, summary.cells, Attributes::kValueBits[c], reading);
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     return {std::move(cells), std::move(channels), summary.tolerance};
 }
 
@@ -331,13 +331,13 @@ CellLight read_light(Source& source, const std::vector<Section>& sections, const
         allow_decompressed(section, reading);
         source.fetch(section);
     });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     if (!reading.options.trusted)
         reading.check(reading.times.checksum,
                       [&] { verify_checksum(source.bytes(), section, reading.path); });
     reading.check(reading.times.decompress,
                   [&] { words = read_words(source, section, reading.path); });
-    if (!reading.findings.empty()) return {};
+    if (!reading.usable) return {};
     return {model.attributes.level(), model.metadata.light->bounces, words.words, words.owner};
 }
 
@@ -393,7 +393,7 @@ Model read_model(Reading& reading) {
 
     Source source(path, trusted || reading.options.map);
     const std::vector<Section> sections = read_directory(source, reading);
-    if (!reading.findings.empty()) return model;
+    if (!reading.usable) return model;
     auto metadata = read_metadata(source, find_section(sections, kMetadataSection, path), reading);
     if (!metadata) return model;
     model.metadata = std::move(*metadata);
@@ -419,12 +419,12 @@ Model read_model(Reading& reading) {
     if (!trusted)
         reading.check(times.validate,
                       [&] { check_nodes(section, begins, words.words, statistics, reading); });
-    if (!reading.findings.empty()) return model;
+    if (!reading.usable) return model;
     model.dag = Dag(model.metadata.grid.depth, begins, words.words, words.owner);
     if (reading.options.attributes && model.metadata.attributes)
         model.attributes =
             read_attributes(source, sections, model.dag, *model.metadata.attributes, reading);
-    if (!reading.findings.empty()) return model;
+    if (!reading.usable) return model;
     if (!model.attributes.empty() && model.metadata.light)
         model.light = read_light(source, sections, model, reading);
     return model;

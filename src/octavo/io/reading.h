@@ -23,6 +23,7 @@ struct Reading {
     bool strict = false;
     std::size_t max_findings = 1;
     std::vector<Finding> findings = {};
+    bool usable = true;  // all that was read so far
     std::uint64_t metadata_offset = 0;
     std::uint64_t decompressed_bytes = 0;  // of all sections so far
 
@@ -39,7 +40,9 @@ struct Reading {
         const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
         seconds += passed.count();
     }
-    void add(Finding finding) {
+    /// @param strict_only  what was read can be used all the same
+    void add(Finding finding, bool strict_only = false) {
+        usable = usable && strict_only;
         if (findings.size() < max_findings) findings.push_back(std::move(finding));
     }
 };

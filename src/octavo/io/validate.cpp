@@ -82,7 +82,7 @@ Validation validate_octv(const std::filesystem::path& path, const ValidateOption
     validation.times = reading.times;
 
     const auto begin = std::chrono::steady_clock::now();
-    if (reading.findings.empty()) {
+    if (reading.usable) {
         validation.statistics = compute_statistics(model.dag);
         compare_octree_nodes(model.metadata.statistics, validation.statistics, reading);
         check_rest(reading);
