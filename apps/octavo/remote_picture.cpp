@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "remote_picture.h"
 
-#include <png.h>
 #include <turbojpeg.h>
 
 #include <algorithm>
@@ -12,7 +11,7 @@
 
 #include "light_arguments.h"
 #include "lit_arguments.h"
-#include "octavo/render/tone_map.h"
+#include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
 
 namespace octavo::cli {
@@ -42,17 +41,8 @@ dvec3 read_vec3(const Json& json, const char* key) {
     return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
 }
 
-std::vector<std::uint8_t> rgb_of(const Image& image, double exposure) {
-    const float scale = static_cast<float>(std::exp2(exposure));
-    std::vector<std::uint8_t> bytes;
-    bytes.reserve(3 * image.color.size());
-    for (const vec3& color : image.color)
-        for (const std::uint8_t byte : tone_map(color, scale)) bytes.push_back(byte);
-    return bytes;
-}
-
 std::string encode_jpeg(const Image& image, double exposure, int quality) {
-    const std::vector<std::uint8_t> rgb = rgb_of(image, exposure);
+    const std::vector<std::uint8_t> rgb = screen_pixels(image, exposure);
     const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
     unsigned char* bytes = nullptr;
     unsigned long size = 0;
@@ -63,19 +53,9 @@ std::string encode_jpeg(const Image& image, double exposure, int quality) {
     return {reinterpret_cast<const char*>(bytes), size};
 }
 
-std::string encode_png(const Image& image, double exposure) {
-    const std::vector<std::uint8_t> rgb = rgb_of(image, exposure);
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    std::string bytes(size, '\0');
-    if (png_image_write_to_memory(&png, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0)
-        throw Error(Errc::limit, std::string("the picture cannot be encoded: ") + png.message);
-    bytes.resize(size);
-    return bytes;
+std::string png_bytes(const Image& image, double exposure) {
+    const std::vector<std::byte> bytes = encode_png(image, exposure);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 std::string with_length(const std::string& bytes) {
@@ -198,7 +178,7 @@ void RemotePicture::render(const std::string& body, httplib::Response& response)
                     const std::string frame =
                         stage.jpeg_quality > 0
                             ? encode_jpeg(image, wish->exposure, stage.jpeg_quality)
-                            : encode_png(image, wish->exposure);
+                            : png_bytes(image, wish->exposure);
                     const std::string framed = with_length(frame);
                     if (!sink.write(framed.data(), framed.size())) return false;
                 }

@@ -173,6 +173,23 @@ double most_where_dark(const Image& picture, const Image& reference, float allow
     return found;
 }
 
+void expect_dark_where_paths_are(const LitScene& scene, const dvec3& eye, const dvec3& at,
+                                 const char* name) {
+    RenderOptions options = small_picture(eye, at, 16);
+    options.width = 64;
+    options.height = 48;
+    const Image reference = render_lit(scene, Lighting::reference, options);
+    ASSERT_GT(greatest_channel(reference), 0.0f);
+    const double gathered =
+        most_where_dark(render_lit(scene, Lighting::gathered, options), reference, 0.005f);
+    const double cached =
+        most_where_dark(render_lit(scene, Lighting::cached, options), reference, 0.005f);
+    std::printf("%s, where the reference is dark: gathered %.4f, cached %.4f\n", name, gathered,
+                cached);
+    EXPECT_LT(gathered, 0.01);
+    EXPECT_LT(cached, 0.05);
+}
+
 /// All but black, so that what bounces is below a two hundredth.
 constexpr std::uint8_t kDark = 13;
 
@@ -187,21 +204,8 @@ TEST(DoorAjarSlow, LightsNothingThatPathsDoNot) {
     LitScene scene = scene_of(dag, grey(dag, 6, kDark), {});
     scene.lights.push_back(test::lamp_at({12.0, 30.0, 12.0}, 3000.0f));
     light_cells(scene, {});
-    for (const dvec3& eye : {dvec3(55, 40, 55), dvec3(12, 40, 55)}) {
-        RenderOptions options = small_picture(eye, {33, 10, 25}, 16);
-        options.width = 64;
-        options.height = 48;
-        const Image reference = render_lit(scene, Lighting::reference, options);
-        ASSERT_GT(greatest_channel(reference), 0.0f);
-        const double gathered =
-            most_where_dark(render_lit(scene, Lighting::gathered, options), reference, 0.005f);
-        const double cached =
-            most_where_dark(render_lit(scene, Lighting::cached, options), reference, 0.005f);
-        std::printf("door ajar, where the reference is dark: gathered %.4f, cached %.4f\n",
-                    gathered, cached);
-        EXPECT_LT(gathered, 0.01);
-        EXPECT_LT(cached, 0.05);
-    }
+    for (const dvec3& eye : {dvec3(55, 40, 55), dvec3(12, 40, 55)})
+        expect_dark_where_paths_are(scene, eye, {33, 10, 25}, "door ajar");
 }
 
 TEST(ConvexCorner, TheSideAwayFromTheLampStaysDark) {
@@ -210,18 +214,7 @@ TEST(ConvexCorner, TheSideAwayFromTheLampStaysDark) {
     LitScene scene = scene_of(dag, grey(dag, 6, kDark), {});
     scene.lights.push_back(test::lamp_at({20.0, 30.0, 55.0}, 3000.0f));
     light_cells(scene, {});
-    RenderOptions options = small_picture({60, 36, 20}, {32, 20, 24}, 16);
-    options.width = 64;
-    options.height = 48;
-    const Image reference = render_lit(scene, Lighting::reference, options);
-    const double gathered =
-        most_where_dark(render_lit(scene, Lighting::gathered, options), reference, 0.005f);
-    const double cached =
-        most_where_dark(render_lit(scene, Lighting::cached, options), reference, 0.005f);
-    std::printf("convex corner, where the reference is dark: gathered %.4f, cached %.4f\n",
-                gathered, cached);
-    EXPECT_LT(gathered, 0.01);
-    EXPECT_LT(cached, 0.05);
+    expect_dark_where_paths_are(scene, {60, 36, 20}, {32, 20, 24}, "convex corner");
 }
 
 TEST(RenderLit, TwoRunsAndAnyThreadsGiveTheSamePicture) {

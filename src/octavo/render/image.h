@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -30,6 +31,12 @@ struct Image {
     }
     friend bool operator==(const Image&, const Image&) = default;
 };
+
+/// The tone-mapped picture: 3 bytes of sRGB for each pixel. @param exposure  as in write_png
+[[nodiscard]] std::vector<std::uint8_t> screen_pixels(const Image& image, double exposure);
+
+/// The same as a PNG file. @throws Error  limit where it cannot be encoded
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image, double exposure);
 
 /// Writes the tone-mapped picture as 8-bit sRGB. Written beside `file` and renamed, so that an
 /// interrupted write leaves an old file whole.

@@ -15,15 +15,17 @@
 
 namespace octavo {
 
-void write_png(const std::filesystem::path& file, const Image& image, double exposure) {
-    if (image.color.empty()) throw Error(Errc::bad_argument, file, "the image has no pixel");
-
+std::vector<std::uint8_t> screen_pixels(const Image& image, double exposure) {
     const float scale = static_cast<float>(std::exp2(exposure));
     std::vector<std::uint8_t> bytes;
     bytes.reserve(3 * image.color.size());
     for (const vec3& color : image.color)
         for (const std::uint8_t byte : tone_map(color, scale)) bytes.push_back(byte);
+    return bytes;
+}
 
+std::vector<std::byte> encode_png(const Image& image, double exposure) {
+    const std::vector<std::uint8_t> pixels = screen_pixels(image, exposure);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     png.width = static_cast<png_uint_32>(image.width);
@@ -31,11 +33,17 @@ void write_png(const std::filesystem::path& file, const Image& image, double exp
     png.format = PNG_FORMAT_RGB;
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::vector<std::byte> encoded(size);
-    if (png_image_write_to_memory(&png, encoded.data(), &size, 0, bytes.data(), 0, nullptr) == 0)
-        throw Error(Errc::io, file, std::string("cannot write: ") + png.message);
+    if (png_image_write_to_memory(&png, encoded.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
+        throw Error(Errc::limit, std::string("the picture cannot be encoded: ") + png.message);
+    encoded.resize(size);
+    return encoded;
+}
 
+void write_png(const std::filesystem::path& file, const Image& image, double exposure) {
+    if (image.color.empty()) throw Error(Errc::bad_argument, file, "the image has no pixel");
+    const std::vector<std::byte> encoded = encode_png(image, exposure);
     AtomicFile out(file);
-    out.write(0, std::span(encoded).first(size));
+    out.write(0, encoded);
     out.commit();
 }
 
