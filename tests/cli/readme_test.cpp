@@ -28,12 +28,10 @@ TEST(ReadmeSlow, EveryCommandRuns) {
     const std::vector<std::string> lines = readme_lines("octavo ");
     EXPECT_GE(lines.size(), 5u);
     for (const std::string& line : lines) {
-        // The viewer serves its page until Ctrl-C.
         const bool serves = line.starts_with("octavo view");
-        const Outcome outcome = run_shell(
-            folder.path(),
-            serves ? "timeout --preserve-status --signal=INT 2 " + line + " --no-open" : line);
-        EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.err;
+        const Outcome outcome =
+            serves ? serve_and_interrupt(folder.path(), line) : run_shell(folder.path(), line);
+        EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.out << outcome.err;
     }
     EXPECT_TRUE(std::filesystem::exists(folder / "scene.png"));
 }

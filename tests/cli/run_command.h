@@ -44,6 +44,17 @@ inline Outcome run_shell(const std::filesystem::path& folder, const std::string&
     return {exit_code_of(status), file_content(streams / "out"), file_content(streams / "err")};
 }
 
+/// Runs a line that serves the viewer until it says its address, and interrupts it once. Its words
+/// to both streams are in .out.
+inline Outcome serve_and_interrupt(const std::filesystem::path& folder, const std::string& line) {
+    // In the foreground timeout passes a signal on once; else twice, and the second ends a program.
+    return run_shell(folder, "timeout --foreground 60 " + line +
+                                 " --no-open --port 0 >served.log 2>&1 & pid=$!\n"
+                                 "until grep -q http served.log || ! kill -0 $pid; do sleep 0.1; "
+                                 "done\n"
+                                 "kill -INT $pid; wait $pid; code=$?; cat served.log; exit $code");
+}
+
 /// The sample's DAG at 64^3, made once for each test program.
 inline std::filesystem::path small_octv() {
     static const TemporaryFolder folder;

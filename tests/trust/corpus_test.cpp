@@ -119,12 +119,8 @@ TEST_P(FullCube, IsAnsweredAtOnceByEveryOperation) {
 }
 
 TEST_P(FullCube, IsServed) {
-    // In the foreground timeout passes a signal on once; else twice, and the second ends a program.
-    const test::Outcome outcome = test::run_shell(
-        folder.path(),
-        "timeout --foreground 60 octavo view full.octv --no-open --port 0 >log 2>&1 & pid=$!\n"
-        "for i in $(seq 300); do grep -q http log && break; sleep 0.1; done\n"
-        "kill -INT $pid; wait $pid; code=$?; cat log; exit $code");
+    const test::Outcome outcome =
+        test::serve_and_interrupt(folder.path(), "octavo view full.octv");
     EXPECT_NE(outcome.out.find("http://127.0.0.1"), std::string::npos) << outcome.out;
     EXPECT_LT(outcome.code, 128) << outcome.out;
 }
