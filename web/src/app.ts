@@ -21,7 +21,7 @@ import { type Offers, Panel } from './ui/panel';
 import { engineFacts, painterFacts } from './ui/statistics';
 import { startTheme } from './ui/theme';
 import { type FoundCell, centreOf, voxelFacts } from './ui/voxel_facts';
-import { type Axes, type Camera, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
+import { type Axes, type Camera, type Frame, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { kAllLights, kViewersSun, storedLight, storedSun, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
@@ -234,7 +234,7 @@ export class App {
     private placeCamera(): void {
         const { metadata, box } = this.scene!;
         const stored = metadata.cameras[0];
-        this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.aspect);
+        this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.frame);
         if (stored) this.panel.showCamera(0);
         const link = readLink(location.hash).settings;
         if (link.sunAzimuth === undefined && this.settings.light === kViewersSun) {
@@ -341,8 +341,9 @@ export class App {
     private get axes(): Axes {
         return axesOf(this.settings.up);
     }
-    private get aspect(): number {
-        return this.canvas.width / this.canvas.height;
+    private get frame(): Frame {
+        const aspect = this.canvas.width / this.canvas.height;
+        return { aspect, clear: this.panel.clearOf(this.canvas.getBoundingClientRect()) };
     }
     private get sceneSize(): number {
         return this.scene?.box ? diagonalOf(this.scene.box) : 1;
@@ -361,7 +362,7 @@ export class App {
         const box = this.scene?.box;
         if (!box || !this.camera) return;
         const towardsEye = scale(-1, forwardOf(this.camera, this.axes));
-        this.moveTo(framing(box, this.axes, this.aspect, towardsEye, this.camera.verticalFov));
+        this.moveTo(framing(box, this.axes, this.frame, towardsEye, this.camera.verticalFov));
     }
 
     private chooseCamera(index: number): void {
@@ -381,7 +382,7 @@ export class App {
         }
         this.settings = settings;
         if (before.up !== settings.up && this.scene?.box) {
-            this.camera = defaultCamera(this.scene.box, this.axes, this.aspect);
+            this.camera = defaultCamera(this.scene.box, this.axes, this.frame);
             this.cameraIsOurs = false;
         }
         if (before.memory !== settings.memory && this.opened) {
