@@ -2,18 +2,17 @@
 add_library(octavo_compile_options INTERFACE)
 
 target_compile_options(octavo_compile_options INTERFACE
-    -Wall -Wextra -Wshadow -Wpedantic
+    -Wall -Wextra -Wshadow -Wpedantic -Wconversion
     # The shared ray text must give the same floats on every backend: no fused multiply-add.
     -ffp-contract=off)
 if(OCTAVO_WERROR)
     target_compile_options(octavo_compile_options INTERFACE -Werror)
 endif()
 
-if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    # The oldest machine we support has SSE4.2 and POPCNT; wider SIMD is chosen at run time.
-    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-        target_compile_options(octavo_compile_options INTERFACE -march=x86-64-v2)
-    endif()
+# The oldest machine we support has SSE4.2 and POPCNT; wider SIMD is chosen at run time. In every
+# build: Highway has no vectors of four lanes below it, which the overlap kernel needs.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT CMAKE_CXX_FLAGS MATCHES "-march=")
+    target_compile_options(octavo_compile_options INTERFACE -march=x86-64-v2)
 endif()
 
 # Against what a fault in memory could be used for. Links only are free; the rest costs a rebuild of

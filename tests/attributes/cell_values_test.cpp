@@ -33,10 +33,13 @@ std::vector<std::uint32_t> mixed_values(std::size_t count, int bits, std::uint32
         const std::uint32_t kinds[] = {1, 2, 3, 17, 100, 200, 100000};
         const std::uint32_t different = kinds[random() % 7];
         const bool empty = random() % 5 == 0;
-        const std::uint32_t base = random();
+        const auto base = static_cast<std::uint32_t>(random());
         const std::size_t run = 1 + random() % 600;
         for (std::size_t i = 0; i < run && values.size() < count; ++i)
-            values.push_back(empty ? 0 : (base + random() % different * 0x01010101u) & all);
+            values.push_back(
+                empty ? 0
+                      : (base + static_cast<std::uint32_t>(random() % different) * 0x01010101u) &
+                            all);
     }
     return values;
 }

@@ -303,11 +303,11 @@ TEST_P(Pictures, SayWhatWasNotUploaded) {
     EXPECT_THROW(device().looks(*bare, scene.grid, points, points, {out, {}, {}}), Error);
 }
 
-TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
+/// The middles of every n-th triangle, as a rasteriser gives them, and a point that is none.
+void add_points_of_the_courtyard(std::size_t most, std::size_t step, std::vector<vec3>& positions,
+                                 std::vector<vec3>& normals) {
     const Scene mesh = make_sample("courtyard");
-    const test::ColouredScene& scene = coloured_scenes().back();
-    std::vector<vec3> positions, normals;
-    for (std::size_t i = 0; i < mesh.triangles.size() && positions.size() < 2000; i += 5) {
+    for (std::size_t i = 0; i < mesh.triangles.size() && positions.size() < most; i += step) {
         const auto corners = mesh.corners(i);
         const dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
         if (!(glm::length(normal) > 1e-9)) continue;
@@ -316,6 +316,12 @@ TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
     }
     positions.push_back(vec3(NAN));
     normals.push_back(vec3(0, 1, 0));
+}
+
+TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
+    const test::ColouredScene& scene = coloured_scenes().back();
+    std::vector<vec3> positions, normals;
+    add_points_of_the_courtyard(2000, 5, positions, normals);
     const std::size_t count = positions.size();
     std::vector<vec3> found[3], expected[3];
     for (auto* all : {&found, &expected})
@@ -345,18 +351,8 @@ TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
 
 TEST_P(GBuffer, IsGivenTheVisibilityOfTheCpu) {
     const BuildResult& scene = courtyard();
-    // Points of the triangles, as a rasteriser gives them.
-    const Scene mesh = make_sample("courtyard");
     std::vector<vec3> positions, normals;
-    for (std::size_t i = 0; i < mesh.triangles.size() && positions.size() < 3000; i += 7) {
-        const auto corners = mesh.corners(i);
-        const dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-        if (!(glm::length(normal) > 1e-9)) continue;
-        positions.emplace_back((corners[0] + corners[1] + corners[2]) / 3.0);
-        normals.emplace_back(glm::normalize(normal));
-    }
-    positions.push_back(vec3(NAN));
-    normals.push_back(vec3(0, 1, 0));
+    add_points_of_the_courtyard(3000, 7, positions, normals);
     positions.push_back(positions[0]);
     normals.push_back(vec3(0.0f));
 

@@ -22,7 +22,7 @@ TEST(RadixSort, IsAStableSortForEveryKeyLengthAndThreadCount) {
         for (const std::size_t count : {0u, 1u, 1000u, 200000u})
             for (const int threads : {1, 3}) {
                 std::vector<Item> items(count);
-                const std::uint32_t mask = (std::uint64_t{1} << key_bits) - 1;
+                const auto mask = static_cast<std::uint32_t>((std::uint64_t{1} << key_bits) - 1);
                 for (std::size_t i = 0; i < count; ++i)
                     items[i] = {static_cast<std::uint32_t>(bits()) & mask,
                                 static_cast<std::uint32_t>(i)};

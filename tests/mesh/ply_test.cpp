@@ -63,7 +63,8 @@ TEST(Ply, ReadsBothByteOrdersAndEveryNumberType) {
             bytes += swapped(std::uint16_t{1}, big) + swapped(1.0f, big);
         }
         bytes += swapped(std::int32_t{3}, big);
-        for (const std::uint16_t index : {2, 1, 0}) bytes += swapped(index, big);
+        for (const auto index : std::initializer_list<std::uint16_t>{2, 1, 0})
+            bytes += swapped(index, big);
         const Scene scene = load_scene(folder.write("a.ply", bytes));
         ASSERT_EQ(scene.triangles.size(), 1u);
         EXPECT_EQ(scene.triangles[0], uvec3(2, 1, 0));
