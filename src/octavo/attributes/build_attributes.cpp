@@ -44,8 +44,8 @@ bool is_on_disk(const AttributeOptions& options) {
     return options.max_memory_bytes != 0 && !options.scratch.empty();
 }
 
-/// Kept free under a cap for what tiles take while they are worked on, and the texels that they look
-/// at: of each page the system brings its neighbours along.
+/// Kept free under a cap for what tiles take while they are worked on, and the texels that they
+/// look at: of each page the system brings its neighbours along.
 std::uint64_t reserve_below(std::uint64_t cap) {
     constexpr std::uint64_t kPerThread = std::uint64_t{9} << 20;
     const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());

@@ -16,6 +16,26 @@
 
 namespace octavo {
 
+namespace detail {
+
+/// The two texels around a place along one axis, and how much of the second there is.
+struct TexelPair {
+    int first, second;
+    float part;
+};
+
+// Four channels at once; every compiler that we build with has these.
+typedef std::uint16_t FourWords __attribute__((vector_size(8)));
+typedef float FourFloats __attribute__((vector_size(16)));
+
+inline FourFloats texel_channels(const std::uint32_t* texel) {
+    FourWords bits;
+    std::memcpy(&bits, texel, sizeof bits);
+    return __builtin_convertvector(bits, FourFloats);
+}
+
+}  // namespace detail
+
 /// A picture in linear light at its own size and at halves of it, each texel the mean of those that
 /// it covers. What is no part of the surface does not count: colours are multiplied by opacity,
 /// which is 0 or 1 at full size.
@@ -44,8 +64,24 @@ public:
         /// @param coordinate  (0, 0) is the picture's upper left corner, (1, 1) the lower right one
         [[nodiscard]] vec4 sample(const glm::dvec2& coordinate) const;
 
+        /// Does it repeat both ways, by powers of two?
+        [[nodiscard]] bool is_simple() const {
+            return wraps.u == Texture::Wrap::repeat && wraps.v == Texture::Wrap::repeat &&
+                   (width & (width - 1)) == 0 && (height & (height - 1)) == 0;
+        }
+        [[nodiscard]] glm::dvec2 size() const { return {width, height}; }
+
+        /// Of one that is simple, 65535 times the same.
+        /// @param texels  from the middle of the first texel, and kPeriods further on both ways;
+        /// not
+        ///                negative
+        [[nodiscard]] detail::FourFloats sample_simple(const glm::dvec2& texels) const;
+        static constexpr double kPeriods = 1073741824.0;  // of any size
+
     private:
         friend class MipTexture;
+        [[nodiscard]] detail::FourFloats between(const detail::TexelPair& u,
+                                                 const detail::TexelPair& v) const;
 
         const std::uint32_t* texels = nullptr;  // two words each
         int width = 0, height = 0;
@@ -75,22 +111,8 @@ namespace detail {
 /// A column or row of texels, wherever it is asked for.
 [[nodiscard]] int wrapped_texel(std::int64_t i, int size, Texture::Wrap wrap);
 
-/// The two texels around a place along one axis, and how much of the second there is.
-struct TexelPair {
-    int first, second;
-    float part;
-};
 inline TexelPair texels_around(double coordinate, int size, Texture::Wrap wrap) {
     const double place = coordinate * size - 0.5;
-    if (wrap == Texture::Wrap::repeat && (size & (size - 1)) == 0 && std::abs(place) < 1e9) {
-        // As nearly all textures are. A whole number of periods further on nothing is negative, and
-        // cutting off the digits behind the point is rounding down.
-        constexpr double kPeriods = 1073741824.0;
-        const auto i = static_cast<std::int64_t>(place + kPeriods);
-        const auto first = static_cast<int>(i);
-        return {first & (size - 1), (first + 1) & (size - 1),
-                static_cast<float>(place - (static_cast<double>(i) - kPeriods))};
-    }
     // Further out than this all digits are before the point, and so is every wrap.
     constexpr double kFar = 1e12;
     const double texel = std::clamp(place, -kFar, kFar);
@@ -100,30 +122,37 @@ inline TexelPair texels_around(double coordinate, int size, Texture::Wrap wrap) 
             static_cast<float>(texel - static_cast<double>(i))};
 }
 
-// Four channels at once; every compiler that we build with has these.
-typedef std::uint16_t FourWords __attribute__((vector_size(8)));
-typedef float FourFloats __attribute__((vector_size(16)));
-
-inline FourFloats texel_channels(const std::uint32_t* texel) {
-    FourWords bits;
-    std::memcpy(&bits, texel, sizeof bits);
-    return __builtin_convertvector(bits, FourFloats);
-}
-
 }  // namespace detail
 
 inline vec4 MipTexture::Level::sample(const glm::dvec2& coordinate) const {
     using namespace detail;
     const TexelPair u = texels_around(coordinate.x, width, wraps.u);
     const TexelPair v = texels_around(coordinate.y, height, wraps.v);
+    const FourFloats sum = between(u, v) * (1.0f / 65535.0f);
+    return {sum[0], sum[1], sum[2], sum[3]};
+}
+
+inline detail::FourFloats MipTexture::Level::sample_simple(const glm::dvec2& texels_on) const {
+    // Nothing is negative, so cutting off the digits behind the point is rounding down.
+    const auto pair = [](double place, int size) -> detail::TexelPair {
+        const auto i = static_cast<std::int64_t>(place);
+        const auto first = static_cast<int>(i);
+        return {first & (size - 1), (first + 1) & (size - 1),
+                static_cast<float>(place - static_cast<double>(i))};
+    };
+    return between(pair(texels_on.x, width), pair(texels_on.y, height));
+}
+
+inline detail::FourFloats MipTexture::Level::between(const detail::TexelPair& u,
+                                                     const detail::TexelPair& v) const {
+    using namespace detail;
     const std::uint32_t* upper = texels + 2 * static_cast<std::ptrdiff_t>(v.first) * width;
     const std::uint32_t* lower = texels + 2 * static_cast<std::ptrdiff_t>(v.second) * width;
     const FourFloats left = texel_channels(upper + 2 * u.first) * (1.0f - v.part) +
                             texel_channels(lower + 2 * u.first) * v.part;
     const FourFloats right = texel_channels(upper + 2 * u.second) * (1.0f - v.part) +
                              texel_channels(lower + 2 * u.second) * v.part;
-    const FourFloats color = (left * (1.0f - u.part) + right * u.part) * (1.0f / 65535.0f);
-    return {color[0], color[1], color[2], color[3]};
+    return left * (1.0f - u.part) + right * u.part;
 }
 
 }  // namespace octavo

@@ -185,7 +185,10 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
         t.coordinates_[static_cast<unsigned>(i)] =
             a[i] * t.weights_[0] + b[i] * t.weights_[1] + dvec4(0.0, 0.0, 0.0, first[i]);
     for (Triangle::Filter* filter : {&t.base_, &t.glow_})
-        if (filter->texture) choose_filter(*filter, t.coordinates_, footprint);
+        if (filter->texture) {
+            choose_filter(*filter, t.coordinates_, footprint);
+            simplify(*filter, t.coordinates_, look);
+        }
     return t;
 }
 
@@ -217,12 +220,40 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
     filter.step = long_way * (length / filter.samples) / size;
 }
 
+/// Nearly all textures repeat and have sides of powers of two.
+void SurfaceSampler::simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
+                              const Look& look) {
+    constexpr double kFar = 1e9;  // texels; whole periods are left for what is around a triangle
+    const glm::dvec2 size = filter.level->size();
+    filter.simple = filter.level->is_simple();
+    for (const vec2& corner : look.coordinates)
+        filter.simple &=
+            glm::all(glm::lessThan(glm::abs(glm::dvec2(corner)) * size, glm::dvec2(kFar)));
+    for (int i = 0; i < 2; ++i) {
+        dvec4& texels = filter.texels[static_cast<unsigned>(i)];
+        texels = coordinates[static_cast<unsigned>(i)] * size[i];
+        texels.w += MipTexture::Level::kPeriods - 0.5;
+    }
+    filter.texel_step = filter.step * size;
+}
+
 vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec4& point) const {
+    const double first = -0.5 * (filter.samples - 1);
+    if (filter.simple) {
+        glm::dvec2 at(glm::dot(filter.texels[0], point), glm::dot(filter.texels[1], point));
+        at = glm::clamp(at + first * filter.texel_step, 0.0, 2.0 * MipTexture::Level::kPeriods);
+        detail::FourFloats sum = filter.level->sample_simple(at);
+        for (int i = 1; i < filter.samples; ++i) {
+            at += filter.texel_step;
+            sum += filter.level->sample_simple(at);
+        }
+        sum *= 1.0f / 65535.0f;
+        return {sum[0], sum[1], sum[2], sum[3]};
+    }
     const glm::dvec2 middle(glm::dot(coordinates_[0], point), glm::dot(coordinates_[1], point));
-    if (filter.samples == 1) return filter.level->sample(middle);
     vec4 sum(0.0f);
     for (int i = 0; i < filter.samples; ++i)
-        sum += filter.level->sample(middle + (i - 0.5 * (filter.samples - 1)) * filter.step);
+        sum += filter.level->sample(middle + (i + first) * filter.step);
     return sum;
 }
 

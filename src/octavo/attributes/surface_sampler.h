@@ -57,6 +57,11 @@ public:
             int samples = 1;
             float share = 1.0f;    // 1 / samples
             glm::dvec2 step{0.0};  // from one sample to the next
+            // Where the level is simple: texels for MipTexture::sample_simple(), affine in the
+            // point, and the step in texels.
+            bool simple = false;
+            std::array<dvec4, 2> texels;
+            glm::dvec2 texel_step{0.0};
         };
         [[nodiscard]] vec4 sum_of_samples(const Filter& filter, const dvec4& point) const;
 
@@ -90,6 +95,8 @@ private:
 
     static void choose_filter(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
                               double footprint);
+    static void simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
+                         const Look& look);
     void make_textures(const Scene& scene, const std::filesystem::path& scratch);
     void write_looks(const Scene& scene, const std::filesystem::path& scratch);
     [[nodiscard]] static Look look_of(const Scene& scene, std::size_t triangle);

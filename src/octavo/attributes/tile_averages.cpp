@@ -58,14 +58,18 @@ dvec3 nearest_point(const std::array<dvec3, 3>& t, const dvec3& p) {
 /// A cell's face is 2^32 and colours have 16 bits: the sums hold for 65 536 faces in a cell.
 class TileAverager::Sum {
 public:
+    /// @param color_alone  emission and normal are not asked for
+    explicit Sum(bool color_alone) : color_alone_(color_alone) {}
+
     void add(const Part& part, const Facet& facet) {
         // Emission and normal count the whole area, colour only what is no hole.
         area_ += part.area;
         const std::uint64_t solid =
             part.sample.opacity == 65535 ? part.area : part.area * part.sample.opacity / 65535;
         solid_ += solid;
+        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.sample.color[i];
+        if (color_alone_) return;
         for (unsigned i = 0; i < 3; ++i) {
-            color_[i] += solid * part.sample.color[i];
             emission_[i] += (part.area >> 8) * part.sample.emission[i];
             normal_[i] += static_cast<std::int64_t>(part.area >> 8) * facet.normal[i];
         }
@@ -94,6 +98,7 @@ public:
     }
 
 private:
+    bool color_alone_;
     std::uint64_t area_ = 0, solid_ = 0;
     std::array<std::uint64_t, 3> color_{}, emission_{};
     std::array<std::int64_t, 3> normal_{};
@@ -265,10 +270,11 @@ void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> part
         if (kept_[c]) out[c][cell] = value;
     };
     const float greatest = surfaces_.greatest_emission();
+    const bool color_alone = !wanted_.normal && !(greatest > 0.0f);
     if (parts.size() == 1) {  // as in most cells
         const Part& part = parts_[parts[0]];
-        Sum sum;
-        if (wanted_.normal || greatest > 0.0f) sum.add(part, facets_[part.facet]);
+        Sum sum(color_alone);
+        if (!color_alone) sum.add(part, facets_[part.facet]);
         Rgb8 color{};
         for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
         put(Channel::color, pack_rgb8(color));
@@ -287,14 +293,14 @@ void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> part
         facing[static_cast<unsigned>(way)] += parts_[p].area;
         one_way = one_way && way == facets_[parts_[parts[0]].facet].facing;
     }
-    Sum front, back;
+    Sum front(color_alone), back(color_alone);
     std::uint32_t direction = 0;
     if (one_way) {
         for (const std::uint32_t p : parts) front.add(parts_[p], facets_[parts_[p].facet]);
     } else {
         const int main =
             static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
-        Sum most;
+        Sum most(false);
         for (const std::uint32_t p : parts) {
             const Facet& facet = facets_[parts_[p].facet];
             if (facet.facing == main) most.add(parts_[p], facet);
