@@ -97,11 +97,11 @@ TEST_P(Wide, GivesTheBitsForRaysThatLeaveOneFace) {
 }
 
 /// Groups of 64 rays from close together, in whose way the DAG may be, as lights make them.
-class Sheaves {
+class LightRays {
 public:
     enum Kind { sun, soft_sun, lamp, past_lamp, apart, axis, short_ones, from_outside, kinds };
 
-    Sheaves(const Dag& dag, std::uint32_t seed)
+    LightRays(const Dag& dag, std::uint32_t seed)
         : size_(dag.resolution()), random_(seed, static_cast<int>(dag.resolution())) {}
 
     void add(Kind kind, std::vector<s::GridRay>& rays) {
@@ -144,16 +144,16 @@ TEST_P(Wide, RaysThatRunCloseTogetherAreOccludedByTheSame) {
     for (int depth = 4; depth <= 17; ++depth)
         for (const Dag& dag : {test::dust(depth, 0.35, 4), test::dust(depth, 0.6, 5),
                                test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)}) {
-            Sheaves sheaves(dag, static_cast<std::uint32_t>(depth));
+            LightRays light_rays(dag, static_cast<std::uint32_t>(depth));
             std::vector<s::GridRay> rays;
-            for (int i = 0; i < 6 * Sheaves::kinds; ++i)
-                sheaves.add(static_cast<Sheaves::Kind>(i % Sheaves::kinds), rays);
+            for (int i = 0; i < 6 * LightRays::kinds; ++i)
+                light_rays.add(static_cast<LightRays::Kind>(i % LightRays::kinds), rays);
             rays.resize(rays.size() - 21);
             for (const int height : {0, 1, 3}) {
                 const s::Stop stop{height, 0.0f, 0.0f};
                 for (const WideWalk walk : {WideWalk::near_nodes, WideWalk::far_nodes}) {
                     std::vector<std::uint8_t> occluded(rays.size(), 77);
-                    trace_any_wide(dag, rays, stop, occluded, walk);
+                    trace_any_wide(dag, rays, stop, occluded, walk, Sheaves::always);
                     for (std::size_t i = 0; i < rays.size(); ++i)
                         ASSERT_EQ(trace_any(s::view(dag), rays[i], stop) ? 1 : 0, occluded[i])
                             << "depth " << depth << " height " << height << " group " << i / 64
@@ -175,13 +175,13 @@ TEST_P(Wide, NotANumberEndsWithoutAHit) {
 TEST_P(Wide, NotANumberDoesNotDisturbTheOtherRays) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Dag dag = test::slanted_wall(12, {3, -5, 7}, 6000);
-    Sheaves sheaves(dag, 3);
+    LightRays light_rays(dag, 3);
     std::vector<s::GridRay> rays;
-    for (int i = 0; i < 40; ++i) sheaves.add(Sheaves::sun, rays);
+    for (int i = 0; i < 40; ++i) light_rays.add(LightRays::sun, rays);
     for (std::size_t i = 0; i < rays.size(); i += 5)
         (i % 2 == 0 ? rays[i].dir : rays[i].frac)[static_cast<int>(i % 3)] = nan;
     std::vector<std::uint8_t> occluded(rays.size());
-    trace_any_wide(dag, rays, {0, 0.0f, 0.0f}, occluded);
+    trace_any_wide(dag, rays, {0, 0.0f, 0.0f}, occluded, WideWalk::by_size, Sheaves::always);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (i % 5 == 0) continue;
         ASSERT_EQ(trace_any(s::view(dag), rays[i], {0, 0.0f, 0.0f}) ? 1 : 0, occluded[i]) << i;

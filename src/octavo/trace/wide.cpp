@@ -148,14 +148,17 @@ void TraceAnyInSheaves(shared::DagView dag, bool far_nodes, std::span<const shar
     trace_alone(rays.size());
 }
 
-void TraceAny(shared::DagView dag, bool far_nodes, bool sheaves,
+/// @return  do the first rays run close together?
+bool TraceAny(shared::DagView dag, bool far_nodes, bool sheaves,
               std::span<const shared::GridRay> rays, shared::Stop stop, std::uint8_t* occluded) {
+    const bool alike = SheafReader::run_alike(rays.first(std::min(kRaysPerBatch, rays.size())));
     if (stop.cone > 0.0f)
         trace_any_alone<true>(dag, far_nodes, rays, stop, occluded);
-    else if (sheaves && dag.depth > SheafReader::least_depth(stop))
+    else if (sheaves && alike && dag.depth > SheafReader::least_depth(stop))
         TraceAnyInSheaves(dag, far_nodes, rays, stop, occluded);
     else
         trace_any_alone<false>(dag, far_nodes, rays, stop, occluded);
+    return alike;
 }
 
 }  // namespace octavo::HWY_NAMESPACE
@@ -183,6 +186,11 @@ bool is_crowded(const Dag& dag) {
     return dag.words().size() > 2 * (std::uint64_t{dag.resolution()} * dag.resolution());
 }
 
+/// Rays that meet nothing have to pass all cells of their shaft: where they are many, it costs more
+/// than it saves. The rays that this thread traced last are the nearest thing to know it by.
+constexpr double kMostlyOccluded = 0.7;
+thread_local bool last_were_occluded = true;
+
 }  // namespace
 
 HWY_EXPORT(TraceClosest);
@@ -202,7 +210,7 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded, WideWalk walk) noexcept {
+                    std::span<std::uint8_t> occluded, WideWalk walk, Sheaves sheaves) noexcept {
     const shared::DagView view = shared::view(dag);
     if (!fits_lanes(dag, stop)) {
         for (std::size_t i = 0; i < rays.size(); ++i)
@@ -210,8 +218,14 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
         return;
     }
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-    if (!dag.empty()) HWY_DYNAMIC_DISPATCH(TraceAny)
-    (view, far_nodes(dag, walk), !is_crowded(dag), rays, stop, occluded.data());
+    if (dag.empty() || rays.empty()) return;
+    const bool try_sheaves = sheaves == Sheaves::always || (!is_crowded(dag) && last_were_occluded);
+    const bool alike = HWY_DYNAMIC_DISPATCH(TraceAny)(view, far_nodes(dag, walk), try_sheaves, rays,
+                                                      stop, occluded.data());
+    if (alike && sheaves == Sheaves::where_they_pay)
+        last_were_occluded =
+            static_cast<double>(std::count(occluded.begin(), occluded.end(), std::uint8_t{1})) >
+            kMostlyOccluded * static_cast<double>(rays.size());
 }
 
 }  // namespace octavo

@@ -63,6 +63,22 @@ public:
     /// A DAG of at most this depth has nothing to share.
     [[nodiscard]] static int least_depth(shared::Stop stop) { return least_height(stop) + 2; }
 
+    /// By some of the group, so that rays which spread are let go at little cost.
+    [[nodiscard]] static bool run_alike(std::span<const shared::GridRay> rays) {
+        if (rays.size() < kLanes) return false;
+        const vec3 first = rays[0].dir;
+        const vec3 size = glm::abs(first);
+        const int a = size.x >= std::max(size.y, size.z) ? 0 : (size.y >= size.z ? 1 : 2);
+        // The first few lie side by side in memory, and tell most spreading ones.
+        for (std::size_t i = 0; i < rays.size(); i += i < 3 ? 1 : 7) {
+            const vec3 dir = rays[i].dir;
+            if (!(glm::dot(dir, first) > 0.0f) || !(dir[a] * first[a] > 0.0f)) return false;
+            for (int axis = 0; axis < 3; ++axis)
+                if (!(std::abs(dir[axis]) <= kSteepest * std::abs(dir[a]))) return false;
+        }
+        return true;
+    }
+
     /// Forgets all rays. The next are rays first_ray to first_ray + kGroups * kRaysPerBatch.
     void begin(std::size_t first_ray) {
         first_ray_ = first_ray;
@@ -143,22 +159,6 @@ private:
 
         [[nodiscard]] float width(int plane, int k) const { return high[plane][k] - low[plane][k]; }
     };
-
-    /// By some of them, so that rays which spread are let go at little cost.
-    [[nodiscard]] static bool run_alike(std::span<const shared::GridRay> rays) {
-        if (rays.size() < kLanes) return false;
-        const vec3 first = rays[0].dir;
-        const vec3 size = glm::abs(first);
-        const int a = size.x >= std::max(size.y, size.z) ? 0 : (size.y >= size.z ? 1 : 2);
-        // The first few lie side by side in memory, and tell most spreading ones.
-        for (std::size_t i = 0; i < rays.size(); i += i < 3 ? 1 : 7) {
-            const vec3 dir = rays[i].dir;
-            if (!(glm::dot(dir, first) > 0.0f) || !(dir[a] * first[a] > 0.0f)) return false;
-            for (int axis = 0; axis < 3; ++axis)
-                if (!(std::abs(dir[axis]) <= kSteepest * std::abs(dir[a]))) return false;
-        }
-        return true;
-    }
 
     bool read_group(std::span<const shared::GridRay> rays, std::size_t first, std::size_t count,
                     std::size_t group) {
