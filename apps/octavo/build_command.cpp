@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "arguments.h"
 #include "commands.h"
@@ -112,6 +114,7 @@ void choose_attributes(BuildArguments& arguments) {
     options.tolerance = (100 - arguments.attribute_quality + 1) / 2;
     options.threads = arguments.options.threads;
     options.max_memory_bytes = arguments.options.max_memory_bytes;
+    options.scratch = arguments.options.scratch.parent_path();
     options.progress = arguments.options.progress;
     if (options.level > arguments.options.depth)
         throw Error(Errc::bad_argument,
@@ -121,6 +124,11 @@ void choose_attributes(BuildArguments& arguments) {
 Scene import_scene(const std::string& input) {
     const EndAtOnce importing;
     return read_scene(input);
+}
+
+void print_warnings(const std::vector<std::string>& warnings, const BuildArguments& arguments) {
+    if (arguments.quiet) return;
+    for (const std::string& warning : warnings) fmt::print(stderr, "octavo: {}\n", warning);
 }
 
 std::string report_text(const BuildArguments& arguments, const OctvSummary& summary,
@@ -152,7 +160,7 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
 std::string estimate_text(const Estimate& estimate, std::uint64_t cap) {
     std::string text = fmt::format("about {:.0f} s, {} MB of memory, a file of {} MB",
                                    estimate.seconds, grouped(estimate.peak_bytes / 1'000'000),
-                                   grouped(estimate.dag_bytes / 1'000'000));
+                                   grouped(estimate.file_bytes() / 1'000'000));
     if (cap != 0 && estimate.peak_bytes > cap && estimate.least_bytes <= cap)
         text += fmt::format("; {} MB are allowed, and up to {} MB spill to disk",
                             grouped(cap / 1'000'000), grouped(estimate.scratch_bytes / 1'000'000));
@@ -165,7 +173,8 @@ std::string estimate_json(const Estimate& estimate) {
                 {"peak_bytes", estimate.peak_bytes},
                 {"least_bytes", estimate.least_bytes},
                 {"scratch_bytes", estimate.scratch_bytes},
-                {"dag_bytes", estimate.dag_bytes}}
+                {"dag_bytes", estimate.dag_bytes},
+                {"attribute_bytes", estimate.attribute_bytes}}
         .dump();
 }
 
@@ -175,7 +184,9 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     const BuildOptions& options = arguments.options;
     if (options.max_memory_bytes == 0 && options.depth < kLongDepth) return;
     meter.begin_phase("estimate");
-    const Estimate estimate = estimate_build(scene, options);
+    const bool with_attributes = !arguments.attribute_names.empty();
+    const Estimate estimate =
+        estimate_build(scene, options, with_attributes ? &arguments.attributes : nullptr);
     meter.finish();
     if (!arguments.quiet)
         fmt::print(stderr, "{}\n",
@@ -229,25 +240,34 @@ void build_file(BuildArguments& arguments, Machines& machines) {
 
     meter.begin_phase("import");
     Scene scene = import_scene(arguments.input);
-    with_threads(options.threads, [&] {
-        decode_textures(scene, with_attributes ? WantedTextures::all : WantedTextures::cut_outs);
-    });
+    with_threads(options.threads, [&] { decode_textures(scene, WantedTextures::cut_outs); });
     times.import_seconds = watch.lap();
     throw_if_interrupted();
     meter.finish();
-    for (const std::string& warning : scene.warnings)
-        if (!arguments.quiet) fmt::print(stderr, "octavo: {}\n", warning);
+    print_warnings(scene.warnings, arguments);
+    if (!options.grid) options.grid = smallest_cube(scene.bounds(), options.depth);
+    // Under a cap the surfaces go to disk first, so that the scene can be given back.
+    std::optional<AttributeSource> surfaces;
+    const auto read_surfaces = [&] {
+        surfaces.emplace(scene, *options.grid, arguments.attributes);
+        for (const std::string& warning : surfaces->warnings())
+            if (!std::ranges::count(scene.warnings, warning)) print_warnings({warning}, arguments);
+        times.attribute_seconds += watch.lap();
+    };
+    const bool capped = options.max_memory_bytes != 0;
+    if (with_attributes && capped && machines.is_first()) read_surfaces();
     if (machines.is_first()) announce_estimate(scene, arguments, meter);
     watch.lap();
-    // Attributes look at the triangles once more.
-    BuildResult built = with_attributes ? machines.build(scene, options)
-                                        : machines.build_and_release(scene, options);
+    BuildResult built = with_attributes && !capped ? machines.build(scene, options)
+                                                   : machines.build_and_release(scene, options);
     if (!machines.is_first()) return;
     Model model = make_model(source_name(arguments.input), scene, options.rule, std::move(built));
     times.construct_seconds = watch.lap();
     if (with_attributes) {
-        model.attributes = build_attributes(scene, model.dag, model.grid(), arguments.attributes);
-        times.attribute_seconds = watch.lap();
+        if (!surfaces) read_surfaces();
+        model.attributes = surfaces->average(model.dag);
+        surfaces.reset();
+        times.attribute_seconds += watch.lap();
     }
     scene = {};
     write_octv(arguments.output, model,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <random>
 #include <string>
@@ -16,6 +17,7 @@
 #include "octavo/render/render.h"
 #include "octavo/trace/trace.h"
 #include "support/random_scene.h"
+#include "support/temporary_folder.h"
 
 namespace octavo {
 namespace {
@@ -298,6 +300,44 @@ TEST(Attributes, ManyLookUpsAreTheSameAsOneByOne) {
         if (one) {
             ASSERT_EQ(*one, (Rgb8{colors[i][0], colors[i][1], colors[i][2]}));
         }
+    }
+}
+
+/// What is on disk under a cap is the triangles, the textures and the values themselves.
+TEST(BuildAttributes, OnDiskTheyAreTheSameToTheBitAndNeedNoScene) {
+    const test::TemporaryFolder folder;
+    Scene scene = bumpy_floor(9);
+    std::mt19937 random(2);
+    const auto picture = std::make_shared<Bitmap>();
+    *picture = {200, 128, std::vector<std::array<std::uint8_t, 4>>(200 * 128)};
+    for (auto& pixel : picture->pixels)
+        for (auto& channel : pixel) channel = static_cast<std::uint8_t>(random());
+    scene.textures.push_back({.name = "noise", .file = {}, .encoded = {}, .picture = picture});
+    Material holes = colored({1, 1, 1}, {3, 2, 1});
+    holes.base_color_texture = holes.emission_texture = 0;
+    holes.alpha_cutoff = 0.25f;
+    scene.materials = {holes, colored({0.5f, 1, 0})};
+    for (const dvec3& p : scene.positions) scene.texture_coordinates.emplace_back(p.x, p.y);
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+        scene.triangle_materials.push_back(i % 3 == 0 ? 1 : 0);
+
+    const Built in_memory = build_with(scene, 9, {.normal = true, .level = 9});
+    AttributeOptions capped{.normal = true,
+                            .level = 9,
+                            .max_memory_bytes = std::uint64_t{4} << 30,
+                            .scratch = folder.path()};
+    const AttributeSource source(scene, in_memory.grid, capped);
+    scene = {};
+    const Attributes on_disk = source.average(in_memory.dag);
+    EXPECT_EQ(folder.entries(), 0u) << "temporary files have no name";
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        const auto channel = static_cast<Attributes::Channel>(c);
+        EXPECT_EQ(on_disk.has(channel), in_memory.attributes.has(channel)) << c;
+        const CellValues& values = on_disk.channel(channel);
+        values.release(0, values.words().size());
+        EXPECT_TRUE(
+            std::ranges::equal(values.words(), in_memory.attributes.channel(channel).words()))
+            << c;
     }
 }
 

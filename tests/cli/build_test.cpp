@@ -121,12 +121,29 @@ TEST(BuildSlow, KeepsAMemoryCapThatItWouldPassAndGivesTheSameFile) {
     EXPECT_EQ(run_shell(folder.path(), "cmp free.octv 160.octv && cmp free.octv 256.octv").code, 0);
 }
 
+TEST(BuildSlow, KeepsAMemoryCapThatAttributesWouldPassAndGivesTheSameFile) {
+    const TemporaryFolder folder;
+    const std::string build =
+        "octavo build sample:courtyard -r 2K --attributes color,emission,normal "
+        "--attribute-resolution 2K --threads 2 -q ";
+    const std::uint64_t peak = peak_of(folder.path(), build + "-o capped.octv --max-memory 85M");
+    EXPECT_LE(peak, std::uint64_t{85} << 20);
+    EXPECT_EQ(folder.entries(), 1u) << "the scratch is still there";
+    EXPECT_GT(peak_of(folder.path(), build + "-o free.octv"), std::uint64_t{105} << 20);
+    EXPECT_EQ(run_shell(folder.path(), "cmp free.octv capped.octv").code, 0);
+}
+
 TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
     const TemporaryFolder folder;
     const Outcome outcome =
         run_shell(folder.path(), "octavo build sample:courtyard -o a.octv -r 1K --max-memory 10M");
     EXPECT_EQ(outcome.code, 4);
     EXPECT_NE(outcome.err.find("--max-memory "), std::string::npos) << outcome.err;
+    EXPECT_EQ(run_shell(folder.path(),
+                        "octavo build sample:courtyard -o a.octv -r 1K "
+                        "--attributes color --max-memory 10M")
+                  .code,
+              4);
     EXPECT_EQ(folder.entries(), 0u);
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "light/voxel_rooms.h"
@@ -108,6 +109,28 @@ TEST_F(TwoRooms, ALightThatIsAddedIsLitToo) {
                                              again.objects[0].light.get(cell, d).g));
     EXPECT_LT(worst, 0.01f);
     EXPECT_THROW(lighter.change_light(9, test::lamp_at({45, 10, 45}, 50.0f)), Error);
+}
+
+// docs/adr/0024: what rays met is kept, or found again for each bounce and each change.
+TEST_F(TwoRooms, LightIsTheSameWhereNothingOfWhatRaysMetIsKept) {
+    scene.sky = Sky::clear(dvec3(0, 1, 0));
+    LitScene other = scene;
+    const LightOptions kept{.bounces = 3, .around_rays = 16};
+    LightOptions traced = kept;
+    traced.kept_bytes = 0;
+    CellLighter with(scene, kept), without(other, traced);
+    const auto expect_same = [&] {
+        EXPECT_TRUE(
+            std::ranges::equal(scene.objects[0].light.words(), other.objects[0].light.words()));
+    };
+    const LightReport all = with.light_all(), all_traced = without.light_all();
+    expect_same();
+    EXPECT_GT(all_traced.rays, 2 * all.rays) << "the bounces sent rays of their own";
+    EXPECT_GT(with.size_bytes(), without.size_bytes());
+    const Light moved = test::lamp_at({18, 30, 20}, 200.0f);
+    with.change_light(0, moved);
+    without.change_light(0, moved);
+    expect_same();
 }
 
 TEST(ChangeLight, OfAWeakLampLeavesFarCellsAlone) {

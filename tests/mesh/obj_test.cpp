@@ -148,10 +148,12 @@ TEST(Obj, TakesAlphaFromAMaskOfItsOwn) {
     Scene opaque = scene;
     for (Material& m : opaque.materials) m.alpha_cutoff.reset();
     EXPECT_LT(with_holes, 3 * voxels(opaque) / 4);
-    save_scene(scene, folder.path() / "copy.glb");
-    Scene copy = load_scene(folder.path() / "copy.glb");
-    decode_textures(copy, WantedTextures::all);
-    EXPECT_EQ(voxels(copy), with_holes);
+    for (const char* name : {"copy.glb", "copy.obj"}) {
+        save_scene(scene, folder.path() / name);
+        Scene copy = load_scene(folder.path() / name);
+        decode_textures(copy, WantedTextures::all);
+        EXPECT_EQ(voxels(copy), with_holes) << name;
+    }
 }
 
 TEST(Obj, FindsMaterialsInALibraryThatIsNamedAfterTheirUse) {

@@ -54,6 +54,23 @@ TEST(Save, ObjRoundTripIsExactInDouble) {
     EXPECT_EQ(back.triangle_materials, scene.triangle_materials);
 }
 
+TEST(Save, ObjHasPicturesThatAreNotInItsFolderBesideIt) {
+    const TemporaryFolder elsewhere, folder;
+    Scene scene = colorful_scene({0, 0, 0});
+    scene.textures.push_back({"t", elsewhere.write("wall.png", "\x89PNG outside"), {}});
+    scene.textures.push_back({.name = "inside a scene file", .file = {}, .encoded = {}});
+    for (const char c : {'\xff', '\xd8', 'j'})
+        scene.textures.back().encoded.push_back(static_cast<std::byte>(c));
+    scene.materials[1].emission_texture = 1;
+    save_scene(scene, folder.path() / "a.obj");
+    const Scene back = load_scene(folder.path() / "a.obj");
+    ASSERT_EQ(back.textures.size(), 2u);
+    EXPECT_EQ(back.textures[0].file, folder.path() / "a-0.png");
+    EXPECT_EQ(back.textures[1].file, folder.path() / "a-1.jpg");
+    EXPECT_EQ(fs::file_size(folder.path() / "a-0.png"), 12u);
+    EXPECT_EQ(fs::file_size(folder.path() / "a-1.jpg"), 3u);
+}
+
 TEST(Save, PlyRoundTripIsExactInFloatAndInDouble) {
     const TemporaryFolder folder;
     for (const dvec3 origin : {dvec3(0.5, 0, 0), dvec3(5734567.123456789, 4321987.25, 1.0 / 3.0)}) {

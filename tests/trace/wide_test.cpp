@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -95,6 +96,73 @@ TEST_P(Wide, GivesTheBitsForRaysThatLeaveOneFace) {
     }
 }
 
+/// Groups of 64 rays from close together, in whose way the DAG may be, as lights make them.
+class LightRays {
+public:
+    enum Kind { sun, soft_sun, lamp, past_lamp, apart, axis, short_ones, from_outside, kinds };
+
+    LightRays(const Dag& dag, std::uint32_t seed)
+        : size_(dag.resolution()), random_(seed, static_cast<int>(dag.resolution())) {}
+
+    void add(Kind kind, std::vector<s::GridRay>& rays) {
+        const double spread = std::exp2(random_.uniform(-2.0, std::log2(size_) - 1.0));
+        const dvec3 away = kind == from_outside ? random_.direction() * (3.0 * size_) : dvec3(0.0);
+        const dvec3 middle = place() + away;
+        const dvec3 light = place();
+        const dvec3 other = place();
+        dvec3 direction =
+            kind == from_outside ? glm::normalize(place() - middle) : random_.direction();
+        if (kind == axis) {
+            direction = dvec3(0.0);
+            direction[random_.integer(0, 2)] = random_.flip() ? 1.0 : -1.0;
+        }
+        for (int i = 0; i < 64; ++i) {
+            const dvec3 origin = (kind == apart && i % 3 == 0 ? other : middle) +
+                                 spread * dvec3(random_.uniform(-1, 1), random_.uniform(-1, 1),
+                                                random_.uniform(-0.1, 0.1));
+            dvec3 way = direction;
+            if (kind == soft_sun) way += 0.02 * random_.direction();
+            if (kind == lamp || kind == past_lamp) way = light - origin + 3.0 * random_.direction();
+            rays.push_back(test::grid_ray({dvec3(vec3(origin)), dvec3(vec3(way))}));
+            if (kind == lamp) rays.back().t_max = 1.0f;
+            if (kind == short_ones)
+                rays.back().t_max = static_cast<float>(random_.uniform(0, size_));
+            if (i % 13 == 0) rays.back().t_min = static_cast<float>(random_.uniform(0, 10));
+        }
+    }
+
+private:
+    dvec3 place() {
+        return {random_.uniform(0, size_), random_.uniform(0, size_), random_.uniform(0, size_)};
+    }
+
+    double size_;
+    test::RandomRays random_;
+};
+
+TEST_P(Wide, RaysThatRunCloseTogetherAreOccludedByTheSame) {
+    for (int depth = 4; depth <= 17; ++depth)
+        for (const Dag& dag : {test::dust(depth, 0.35, 4), test::dust(depth, 0.6, 5),
+                               test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)}) {
+            LightRays light_rays(dag, static_cast<std::uint32_t>(depth));
+            std::vector<s::GridRay> rays;
+            for (int i = 0; i < 6 * LightRays::kinds; ++i)
+                light_rays.add(static_cast<LightRays::Kind>(i % LightRays::kinds), rays);
+            rays.resize(rays.size() - 21);
+            for (const int height : {0, 1, 3}) {
+                const s::Stop stop{height, 0.0f, 0.0f};
+                for (const WideWalk walk : {WideWalk::near_nodes, WideWalk::far_nodes}) {
+                    std::vector<std::uint8_t> occluded(rays.size(), 77);
+                    trace_any_wide(dag, rays, stop, occluded, walk, Sheaves::always);
+                    for (std::size_t i = 0; i < rays.size(); ++i)
+                        ASSERT_EQ(trace_any(s::view(dag), rays[i], stop) ? 1 : 0, occluded[i])
+                            << "depth " << depth << " height " << height << " group " << i / 64
+                            << " ray " << i;
+                }
+            }
+        }
+}
+
 TEST_P(Wide, NotANumberEndsWithoutAHit) {
     const Dag dag = test::dust(9, 0.9, 1);
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -102,6 +170,22 @@ TEST_P(Wide, NotANumberEndsWithoutAHit) {
     for (std::size_t i = 0; i < rays.size(); ++i)
         (i % 2 == 0 ? rays[i].t_min : rays[i].t_max) = nan;
     expect_same(dag, rays, {0, 0.0f, 0.0f}, "nan");
+}
+
+TEST_P(Wide, NotANumberDoesNotDisturbTheOtherRays) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const Dag dag = test::slanted_wall(12, {3, -5, 7}, 6000);
+    LightRays light_rays(dag, 3);
+    std::vector<s::GridRay> rays;
+    for (int i = 0; i < 40; ++i) light_rays.add(LightRays::sun, rays);
+    for (std::size_t i = 0; i < rays.size(); i += 5)
+        (i % 2 == 0 ? rays[i].dir : rays[i].frac)[static_cast<int>(i % 3)] = nan;
+    std::vector<std::uint8_t> occluded(rays.size());
+    trace_any_wide(dag, rays, {0, 0.0f, 0.0f}, occluded, WideWalk::by_size, Sheaves::always);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (i % 5 == 0) continue;
+        ASSERT_EQ(trace_any(s::view(dag), rays[i], {0, 0.0f, 0.0f}) ? 1 : 0, occluded[i]) << i;
+    }
 }
 
 TEST_P(Wide, EmptyDagIsMissed) {

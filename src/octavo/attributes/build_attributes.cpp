@@ -22,9 +22,11 @@ namespace {
 using Channel = Attributes::Channel;
 constexpr std::size_t kChannels = Attributes::kChannels;
 
-constexpr int kUsualLevel = 10;
 constexpr int kTileDepth = 6;        // 64^3 cells: what a tile takes stays in a core's cache
 constexpr int kMostTilesDepth = 10;  // as many as TriangleSource can sort into
+
+// Of the cap, what triangles are sorted in on their way to disk.
+constexpr std::uint64_t kSortedShare = 8;
 
 /// The DAG's cells as a grid of their own.
 Grid grid_of_cells(const Grid& grid, int level) {
@@ -36,6 +38,19 @@ Grid grid_of_cells(const Grid& grid, int level) {
 
 int tolerance_of(Channel channel, int tolerance) {
     return channel == Channel::color || channel == Channel::back ? tolerance : 0;
+}
+
+bool is_on_disk(const AttributeOptions& options) {
+    return options.max_memory_bytes != 0 && !options.scratch.empty();
+}
+
+/// Kept free under a cap for what tiles take while they are worked on, and the texels that they
+/// look at: of each page the system brings its neighbours along.
+std::uint64_t reserve_below(std::uint64_t cap) {
+    constexpr std::uint64_t kPerThread = std::uint64_t{9} << 20;
+    const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+    return std::max(std::min(cap / 6, std::uint64_t{128} << 20),
+                    std::min(cap / 3, threads * kPerThread));
 }
 
 /// One tile on its way through the pipeline. Blocks of 256 cells that lie wholly in the tile are
@@ -53,19 +68,17 @@ struct TilePart {
     std::array<ChannelPart, kChannels> channels;
 };
 
-class AttributeBuild {
+/// The averages of all cells, on their way.
+class Averaging {
 public:
-    AttributeBuild(const Scene& scene, const Dag& dag, const Grid& grid,
-                   const AttributeOptions& options)
+    Averaging(const SurfaceTiles& triangles, const SurfaceSampler& surfaces, const Dag& dag,
+              const AttributeOptions& options)
         : options_(options),
+          on_disk_(is_on_disk(options)),
           cells_(dag, options.level),
-          surfaces_(scene),
-          tile_depth_(std::clamp(kTileDepth, options.level - kMostTilesDepth, options.level)),
-          triangles_(scene, grid_of_cells(grid, options.level), VoxelRule::conservative,
-                     tile_depth_),
-          averagers_([this] {
-              return TileAverager(cells_, triangles_.mesh(), surfaces_, options_, tile_depth_);
-          }) {
+          surfaces_(surfaces),
+          tile_depth_(triangles.tile_depth()),
+          averagers_([&] { return TileAverager(cells_, triangles, surfaces_, options_); }) {
         wanted_[static_cast<unsigned>(Channel::color)] = options.color;
         wanted_[static_cast<unsigned>(Channel::emission)] =
             options.emission && surfaces_.greatest_emission() > 0.0f;
@@ -73,9 +86,15 @@ public:
         wanted_[static_cast<unsigned>(Channel::back)] = true;
         wanted_[static_cast<unsigned>(Channel::back_emission)] = wanted(Channel::emission);
         wanted_[static_cast<unsigned>(Channel::back_normal)] = options.normal;
-        for (std::size_t c = 0; c < kChannels; ++c)
-            writers_.emplace_back(Attributes::kValueBits[c],
-                                  tolerance_of(static_cast<Channel>(c), options.tolerance));
+        for (std::size_t c = 0; c < kChannels; ++c) {
+            const int tolerance = tolerance_of(static_cast<Channel>(c), options.tolerance);
+            if (on_disk_ && wanted_[c]) {
+                writers_.emplace_back(Attributes::kValueBits[c], tolerance, cells_.count(),
+                                      options.scratch / "attributes");
+            } else {
+                writers_.emplace_back(Attributes::kValueBits[c], tolerance);
+            }
+        }
         find_tiles();
     }
 
@@ -129,8 +148,9 @@ private:
     }
 
     void average_all_tiles() {
+        // Where memory is scarce, fewer tiles wait for one that takes long.
         const std::size_t in_flight =
-            4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+            (on_disk_ ? 2 : 4) * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
         std::vector<std::unique_ptr<TilePart>> places(in_flight);
         for (auto& part : places) {
             part = std::make_unique<TilePart>();
@@ -162,8 +182,9 @@ private:
     }
 
     void average(TilePart& part) {
+        if (on_disk_) check_memory();
         const Tile& tile = tiles_[part.index];
-        averagers_.local().average(tile.place, tile.range, triangles_in(tile.place), part.values);
+        averagers_.local().average(tile.place, tile.range, part.values);
         constexpr std::uint64_t kBlock = CellValues::kBlockCells;
         const std::uint64_t size = tile.range.size();
         const std::uint64_t before = std::min(size, (kBlock - tile.range.begin % kBlock) % kBlock);
@@ -192,16 +213,25 @@ private:
                                              [](std::uint32_t v) { return v != 0; });
         }
         report(options_.progress, {"attributes", part.index + 1, tiles_.size(), 0});
-        check_memory();
+        if (!on_disk_) check_memory();
     }
 
+    /// Of what is on disk, any thread may give back what all have looked at.
     void check_memory() const {
         const std::uint64_t cap = options_.max_memory_bytes;
         if (cap == 0) return;
-        // To finish a channel its words are put together once more.
+        // To finish a channel in memory its words are put together once more.
         std::uint64_t largest = 0;
-        for (const CellValuesWriter& writer : writers_)
-            largest = std::max(largest, writer.size_bytes());
+        if (!on_disk_)
+            for (const CellValuesWriter& writer : writers_)
+                largest = std::max(largest, writer.size_bytes());
+        if (resident_bytes() + reserve_below(cap) <= cap - std::min(cap, largest)) return;
+        if (on_disk_) {
+            surfaces_.release();
+            const Dag& dag = cells_.dag();
+            dag.release(0, dag.words().size());
+            trim_memory();
+        }
         const std::uint64_t need = resident_bytes() + largest;
         if (need > cap)
             throw Error(Errc::limit, "the attributes need more than the memory cap of " +
@@ -211,19 +241,11 @@ private:
                                          " MiB; raise the cap or lower the attribute resolution");
     }
 
-    [[nodiscard]] std::span<const TileTriangle> triangles_in(const uvec3& tile) const {
-        const auto& tiles = triangles_.tiles();
-        const std::uint64_t code = morton_encode(tile);
-        const auto found = std::lower_bound(tiles.begin(), tiles.end(), code);
-        if (found == tiles.end() || *found != code) return {};
-        return triangles_.triangles(static_cast<std::size_t>(found - tiles.begin()));
-    }
-
     const AttributeOptions& options_;
+    bool on_disk_;
     CellIndex cells_;
-    SurfaceSampler surfaces_;
+    const SurfaceSampler& surfaces_;
     int tile_depth_;
-    TriangleSource triangles_;
     std::vector<Tile> tiles_;
     std::array<bool, kChannels> wanted_{};
     std::array<bool, kChannels> any_{};
@@ -232,20 +254,66 @@ private:
     tbb::enumerable_thread_specific<TileAverager> averagers_;
 };
 
+AttributeOptions checked(AttributeOptions options, int depth) {
+    if (options.level == 0) options.level = AttributeOptions::usual_level(depth);
+    if (options.level < kMinDepth || options.level > depth)
+        throw Error(Errc::bad_argument, "the attributes' level " + std::to_string(options.level) +
+                                            " is not one of 2 to the depth, " +
+                                            std::to_string(depth));
+    if (options.tolerance < 0 || options.tolerance > 255)
+        throw Error(Errc::bad_argument, "the tolerance of colours is 0 to 255");
+    return options;
+}
+
 }  // namespace
+
+class AttributeSource::Parts {
+public:
+    Parts(const Scene& scene, const Grid& grid, const AttributeOptions& wanted)
+        : options(checked(wanted, grid.depth)),
+          surfaces(scene, scratch()),
+          triangles(scene, grid_of_cells(grid, options.level),
+                    std::clamp(kTileDepth, options.level - kMostTilesDepth, options.level),
+                    scratch(), options.max_memory_bytes / kSortedShare, options.progress) {}
+
+    AttributeOptions options;
+    SurfaceSampler surfaces;
+    SurfaceTiles triangles;
+
+private:
+    [[nodiscard]] std::filesystem::path scratch() const {
+        return is_on_disk(options) ? options.scratch : std::filesystem::path();
+    }
+};
+
+AttributeSource::AttributeSource(const Scene& scene, const Grid& grid,
+                                 const AttributeOptions& options) {
+    with_threads(options.threads, [&] {
+        report(options.progress, {"attributes", 0, 0, 0});
+        parts_ = std::make_unique<Parts>(scene, grid, options);
+    });
+    if (is_on_disk(parts_->options)) trim_memory();
+}
+
+AttributeSource::~AttributeSource() = default;
+AttributeSource::AttributeSource(AttributeSource&&) noexcept = default;
+AttributeSource& AttributeSource::operator=(AttributeSource&&) noexcept = default;
+
+const std::vector<std::string>& AttributeSource::warnings() const {
+    return parts_->surfaces.warnings();
+}
+
+Attributes AttributeSource::average(const Dag& dag) const {
+    std::optional<Attributes> result;
+    with_threads(parts_->options.threads, [&] {
+        result = Averaging(parts_->triangles, parts_->surfaces, dag, parts_->options).run();
+    });
+    return std::move(*result);
+}
 
 Attributes build_attributes(const Scene& scene, const Dag& dag, const Grid& grid,
                             const AttributeOptions& options) {
-    AttributeOptions chosen = options;
-    if (chosen.level == 0) chosen.level = std::min(kUsualLevel, dag.depth());
-    if (chosen.tolerance < 0 || chosen.tolerance > 255)
-        throw Error(Errc::bad_argument, "the tolerance of colours is 0 to 255");
-    std::optional<Attributes> result;
-    with_threads(options.threads, [&] {
-        report(options.progress, {"attributes", 0, 0, 0});
-        result = AttributeBuild(scene, dag, grid, chosen).run();
-    });
-    return std::move(*result);
+    return AttributeSource(scene, grid, options).average(dag);
 }
 
 }  // namespace octavo

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <utility>
 
 #include "octavo/core/error.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMaxWords = std::uint64_t{1} << 32;
 constexpr std::uint32_t kMaxPalette = 256;
+constexpr std::size_t kSpillWords = std::size_t{1} << 14;  // written to a file at once
 
 constexpr std::uint64_t words_of_bits(std::uint64_t bits) {
     return (bits + 31) / 32;
@@ -150,7 +152,8 @@ void BlockPacker::pack(std::span<const std::uint32_t> values, PackedBlocks& out)
 }
 
 void CellValuesWriter::check_room() const {
-    if (blocks_.begins.size() + blocks_.words.size() + CellValues::kHeaderWords >= kMaxWords)
+    if (blocks_.begins.size() + spilled_ + blocks_.words.size() + CellValues::kHeaderWords >=
+        kMaxWords)
         throw Error(Errc::limit,
                     "an attribute takes more than 16 GiB; lower the attribute resolution");
 }
@@ -162,35 +165,66 @@ void CellValuesWriter::append(std::span<const std::uint32_t> values) {
         pending_.insert(pending_.end(), values.begin(), values.begin() + static_cast<long>(some));
         values = values.subspan(some);
         if (pending_.size() < CellValues::kBlockCells) return;
-        packer_.pack(pending_, blocks_);
-        pending_.clear();
+        pack_pending();
     }
     check_room();
 }
 
+void CellValuesWriter::pack_pending() {
+    packed_.begins.clear();
+    packed_.words.clear();
+    packer_.pack(pending_, packed_);
+    pending_.clear();
+    put(packed_);
+}
+
 void CellValuesWriter::append(const PackedBlocks& blocks) {
-    const auto base = static_cast<std::uint32_t>(blocks_.words.size());
-    for (const std::uint32_t begin : blocks.begins)
-        blocks_.begins.push_back(begin == 0 ? 0 : begin + base);
-    blocks_.words.insert(blocks_.words.end(), blocks.words.begin(), blocks.words.end());
+    put(blocks);
     count_ += CellValues::kBlockCells * blocks.begins.size();
     check_room();
 }
 
+void CellValuesWriter::put(const PackedBlocks& blocks) {
+    const auto base = static_cast<std::uint32_t>(spilled_ + blocks_.words.size());
+    for (const std::uint32_t begin : blocks.begins)
+        blocks_.begins.push_back(begin == 0 ? 0 : begin + base);
+    blocks_.words.insert(blocks_.words.end(), blocks.words.begin(), blocks.words.end());
+    if (file_ && blocks_.words.size() >= kSpillWords) spill();
+}
+
+void CellValuesWriter::spill() {
+    file_->write((data_begin_ + spilled_) * sizeof(std::uint32_t), blocks_.words.data(),
+                 blocks_.words.size() * sizeof(std::uint32_t));
+    spilled_ += blocks_.words.size();
+    blocks_.words.clear();
+}
+
 CellValues CellValuesWriter::finish() && {
-    if (!pending_.empty()) packer_.pack(pending_, blocks_);
+    if (!pending_.empty()) pack_pending();
     check_room();
     const auto data = CellValues::kHeaderWords + static_cast<std::uint32_t>(blocks_.begins.size());
-    auto words = std::make_shared<std::vector<std::uint32_t>>();
-    words->reserve(data + blocks_.words.size());
-    words->push_back(static_cast<std::uint32_t>(packer_.value_bits()));
-    words->push_back(static_cast<std::uint32_t>(blocks_.begins.size()));
+    std::vector<std::uint32_t> all;
+    all.reserve(data + blocks_.words.size());
+    all.push_back(static_cast<std::uint32_t>(packer_.value_bits()));
+    all.push_back(static_cast<std::uint32_t>(blocks_.begins.size()));
     for (const std::uint32_t begin : blocks_.begins)
-        words->push_back(begin == 0 ? 0 : begin - 1 + data);
-    words->insert(words->end(), blocks_.words.begin(), blocks_.words.end());
+        all.push_back(begin == 0 ? 0 : begin - 1 + data);
+    blocks_.begins = {};
+    if (file_) {
+        if (data != data_begin_)
+            throw Error(Errc::bad_argument, "there are not as many cells as was said");
+        spill();
+        file_->write(0, all.data(), all.size() * sizeof(std::uint32_t));
+        auto mapped = std::make_shared<const MappedWords>(*file_, data_begin_ + spilled_);
+        file_.reset();
+        const std::span<const std::uint32_t> words = mapped->words();
+        return {words, count_, std::move(mapped), Dag::Backing::mapped_file};
+    }
+    all.insert(all.end(), blocks_.words.begin(), blocks_.words.end());
     blocks_ = {};
-    const std::span<const std::uint32_t> all(*words);
-    return {all, count_, std::move(words)};
+    auto owned = std::make_shared<const std::vector<std::uint32_t>>(std::move(all));
+    const std::span<const std::uint32_t> words(*owned);
+    return {words, count_, std::move(owned)};
 }
 
 }  // namespace octavo

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "octavo/core/mapped_words.h"
+#include "octavo/core/spill_file.h"
+#include "octavo/dag/dag.h"
 
 namespace octavo {
 
@@ -34,11 +39,16 @@ public:
     /// @param words  as above, for `count` cells; trusted, see find_fault()
     /// @param owner  keeps the words alive
     CellValues(std::span<const std::uint32_t> words, std::uint64_t count,
-               std::shared_ptr<const void> owner)
-        : words_(words), count_(count), owner_(std::move(owner)) {}
+               std::shared_ptr<const void> owner, Dag::Backing backing = Dag::Backing::memory)
+        : words_(words), count_(count), owner_(std::move(owner)), backing_(backing) {}
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
     [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
+
+    /// As Dag::release().
+    void release(std::uint64_t first_word, std::uint64_t count) const {
+        if (backing_ == Dag::Backing::mapped_file) release_pages(words_.subspan(first_word, count));
+    }
 
     /// The value of a cell below count(). Cost: four loads.
     [[nodiscard]] std::uint32_t get(std::uint64_t cell) const {
@@ -79,6 +89,7 @@ private:
     std::span<const std::uint32_t> words_;
     std::uint64_t count_ = 0;
     std::shared_ptr<const void> owner_;
+    Dag::Backing backing_ = Dag::Backing::memory;
 };
 
 /// Blocks on their way into a CellValues: packed already, to be put behind others.
@@ -114,25 +125,43 @@ class CellValuesWriter {
 public:
     CellValuesWriter(int value_bits, int tolerance) : packer_(value_bits, tolerance) {}
 
+    /// Puts them into a temporary file, which is then mapped: memory holds the last
+    /// 64 kB and 4 bytes for each 256 cells.
+    /// @param count  of cells, in all
+    CellValuesWriter(int value_bits, int tolerance, std::uint64_t count,
+                     const std::filesystem::path& file)
+        : packer_(value_bits, tolerance),
+          file_(std::make_unique<SpillFile>(file, SpillFile::Kind::temporary)),
+          data_begin_(CellValues::kHeaderWords +
+                      (count + CellValues::kBlockCells - 1) / CellValues::kBlockCells) {}
+
     /// Cells that wait for their block to be full: 0 to 255.
     [[nodiscard]] std::size_t pending() const { return pending_.size(); }
 
     void append(std::span<const std::uint32_t> values);
-    /// Whole blocks; pending() is 0. @throws Error limit past 2^32 words
+    /// Whole blocks; pending() is 0. @throws Error limit past 2^32 words; io
     void append(const PackedBlocks& blocks);
 
-    /// All of it. The writer is consumed. @throws Error limit past 2^32 words
+    /// All of it. The writer is consumed. @throws Error limit past 2^32 words; io
     [[nodiscard]] CellValues finish() &&;
 
+    /// What it holds in memory.
     [[nodiscard]] std::uint64_t size_bytes() const {
         return (blocks_.begins.size() + blocks_.words.size()) * sizeof(std::uint32_t);
     }
 
 private:
     void check_room() const;
+    void pack_pending();
+    void put(const PackedBlocks& blocks);
+    void spill();
 
     BlockPacker packer_;
-    PackedBlocks blocks_;
+    std::unique_ptr<SpillFile> file_;  // or none
+    std::uint64_t data_begin_ = 0;     // in the file: the word behind the table of blocks
+    std::uint64_t spilled_ = 0;        // words of blocks in the file
+    PackedBlocks blocks_;              // all begins, and the words that are not in the file
+    PackedBlocks packed_;              // one block
     std::vector<std::uint32_t> pending_;
     std::uint64_t count_ = 0;
 };

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/attributes/surface_sampler.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <set>
-#include <vector>
+#include <type_traits>
 
 #include "octavo/mesh/alpha.h"
+#include "octavo/mesh/decode_textures.h"
 
 namespace octavo {
 namespace {
@@ -40,29 +43,99 @@ std::array<dvec4, 2> barycentric_weights(const std::array<dvec3, 3>& c) {
 
 }  // namespace
 
-SurfaceSampler::SurfaceSampler(const Scene& scene) : scene_(scene) {
-    for (const Material& m : scene.materials)
+SurfaceSampler::SurfaceSampler(const Scene& scene, const std::filesystem::path& scratch)
+    : scene_(&scene),
+      materials_(scene.materials),
+      has_coordinates_(!scene.texture_coordinates.empty()),
+      has_colors_(!scene.colors.empty()) {
+    for (const Material& m : materials_)
         for (int i = 0; i < 3; ++i)
             greatest_emission_ = std::max(greatest_emission_, finite_or_zero(m.emission[i]));
+    if (has_coordinates_) make_textures(scene, scratch);
+    if (!scratch.empty()) write_looks(scene, scratch);
+}
 
-    // What is asked for is known beforehand, so that later everything is read only.
+/// What is asked for is known beforehand, so that later everything is read only.
+void SurfaceSampler::make_textures(const Scene& scene, const std::filesystem::path& scratch) {
+    const auto known = [&](int texture) {
+        return texture >= 0 && static_cast<std::size_t>(texture) < scene.textures.size();
+    };
     std::set<std::pair<int, int>> wanted;
     for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
         const Material& m = material_of(scene, t);
-        if (m.base_color_texture != Material::kNoTexture)
+        if (known(m.base_color_texture))
             wanted.emplace(m.base_color_texture, std::min(255, least_alpha(scene, t)));
-        if (m.emission_texture != Material::kNoTexture && m.emission != vec3(0.0f))
+        if (known(m.emission_texture) && m.emission != vec3(0.0f))
             wanted.emplace(m.emission_texture, 0);
     }
-    std::vector<std::pair<int, int>> keys;
-    for (const auto& key : wanted)
-        if (!scene.texture_coordinates.empty() && decoded_texture(scene, key.first))
-            keys.push_back(key);
+    const std::vector<std::pair<int, int>> keys(wanted.begin(), wanted.end());
     std::vector<std::optional<MipTexture>> made(keys.size());
-    tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
-        made[i].emplace(*decoded_texture(scene, keys[i].first), keys[i].second);
-    });
-    for (std::size_t i = 0; i < keys.size(); ++i) textures_.emplace(keys[i], std::move(*made[i]));
+    std::vector<std::string> warnings(keys.size());
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, keys.size(), 1),
+        [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const auto [index, holes] = keys[i];
+                const auto picture = decoded_picture(scene, index, warnings[i]);
+                if (!picture) continue;
+                const Texture& texture = scene.textures[static_cast<std::size_t>(index)];
+                made[i].emplace(*picture, MipTexture::Wraps{texture.wrap_u, texture.wrap_v}, holes,
+                                scratch);
+            }
+        },
+        tbb::simple_partitioner());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (made[i]) textures_.emplace(keys[i], std::move(*made[i]));
+        if (!warnings[i].empty() && (warnings_.empty() || warnings_.back() != warnings[i]))
+            warnings_.push_back(warnings[i]);
+    }
+}
+
+void SurfaceSampler::write_looks(const Scene& scene, const std::filesystem::path& scratch) {
+    static_assert(sizeof(Look) == kLookWords * sizeof(std::uint32_t));
+    static_assert(std::is_trivially_copyable_v<Look>);
+    constexpr std::size_t kAtOnce = 4096;
+    const std::size_t count = scene.triangles.size();
+    SpillFile file(scratch / "looks", SpillFile::Kind::temporary);
+    std::vector<Look> some;
+    for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
+        some.clear();
+        for (std::size_t t = begin; t < std::min(count, begin + kAtOnce); ++t)
+            some.push_back(look_of(scene, t));
+        file.write(begin * sizeof(Look), some.data(), some.size() * sizeof(Look));
+    }
+    looks_ = std::make_shared<MappedWords>(file, count * kLookWords);
+    scene_ = nullptr;
+}
+
+SurfaceSampler::Look SurfaceSampler::look_of(const Scene& scene, std::size_t triangle) {
+    Look look{Scene::kNoMaterial, {}, {}};
+    if (!scene.triangle_materials.empty()) look.material = scene.triangle_materials[triangle];
+    for (unsigned i = 0; i < 3; ++i) {
+        const std::uint32_t vertex = scene.triangles[triangle][static_cast<int>(i)];
+        look.colors[i] = scene.colors.empty() ? std::array<std::uint8_t, 4>{255, 255, 255, 255}
+                                              : scene.colors[vertex];
+        look.coordinates[i] =
+            scene.texture_coordinates.empty() ? vec2(0.0f) : scene.texture_coordinates[vertex];
+    }
+    return look;
+}
+
+SurfaceSampler::Look SurfaceSampler::look(std::size_t triangle) const {
+    if (!looks_) return look_of(*scene_, triangle);
+    Look look;
+    std::memcpy(&look, looks_->words().data() + kLookWords * triangle, sizeof look);
+    return look;
+}
+
+void SurfaceSampler::release() const {
+    if (looks_) release_pages(looks_->words());
+    for (const auto& [key, texture] : textures_) texture.release();
+}
+
+const Material& SurfaceSampler::material(std::uint32_t index) const {
+    static const Material plain;
+    return index < materials_.size() ? materials_[index] : plain;
 }
 
 const MipTexture* SurfaceSampler::mip_texture(int texture, int least_alpha) const {
@@ -74,16 +147,16 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
                                                  const std::array<dvec3, 3>& corners,
                                                  double footprint) const {
     Triangle t;
-    const Material& material = material_of(scene_, triangle);
-    const uvec3& vertices = scene_.triangles[triangle];
+    const Look look = this->look(triangle);
+    const Material& material = this->material(look.material);
     t.weights_ = barycentric_weights(corners);
-    for (int i = 0; i < 3; ++i) {
+    for (unsigned i = 0; i < 3; ++i) {
         vec4 color = material.base_color;
-        if (!scene_.colors.empty()) {
-            const auto& c = scene_.colors[vertices[i]];
+        if (has_colors_) {
+            const auto& c = look.colors[i];
             color *= vec4(c[0], c[1], c[2], c[3]) / 255.0f;
         }
-        t.corner_colors_[static_cast<unsigned>(i)] = color;
+        t.corner_colors_[i] = color;
     }
     t.one_color_ =
         t.corner_colors_[0] == t.corner_colors_[1] && t.corner_colors_[0] == t.corner_colors_[2];
@@ -93,15 +166,17 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
     }
     if (textures_.empty()) return t;
 
-    const int holes = std::min(255, least_alpha(scene_, triangle));
+    const int holes = std::min(
+        255,
+        least_alpha(material, std::max({look.colors[0][3], look.colors[1][3], look.colors[2][3]})));
     t.has_holes_ = holes > 0;
     t.base_.texture = mip_texture(material.base_color_texture, holes);
     if (t.emits_) t.glow_.texture = mip_texture(material.emission_texture, 0);
     if (!t.base_.texture && !t.glow_.texture) return t;
 
-    const glm::dvec2 first(scene_.texture_coordinates[vertices.x]);
-    const glm::dvec2 a = glm::dvec2(scene_.texture_coordinates[vertices.y]) - first;
-    const glm::dvec2 b = glm::dvec2(scene_.texture_coordinates[vertices.z]) - first;
+    const glm::dvec2 first(look.coordinates[0]);
+    const glm::dvec2 a = glm::dvec2(look.coordinates[1]) - first;
+    const glm::dvec2 b = glm::dvec2(look.coordinates[2]) - first;
     if (!std::isfinite(first.x + first.y + a.x + a.y + b.x + b.y)) {
         t.base_.texture = t.glow_.texture = nullptr;
         return t;
@@ -110,7 +185,10 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
         t.coordinates_[static_cast<unsigned>(i)] =
             a[i] * t.weights_[0] + b[i] * t.weights_[1] + dvec4(0.0, 0.0, 0.0, first[i]);
     for (Triangle::Filter* filter : {&t.base_, &t.glow_})
-        if (filter->texture) choose_filter(*filter, t.coordinates_, footprint);
+        if (filter->texture) {
+            choose_filter(*filter, t.coordinates_, footprint);
+            simplify(*filter, t.coordinates_, look);
+        }
     return t;
 }
 
@@ -125,13 +203,14 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
     const double middle = 0.5 * (uu + vv), reach = std::hypot(0.5 * (uu - vv), uv);
     const double length = std::sqrt(middle + reach);
     const double width = std::sqrt(std::max(middle - reach, 0.0));
+    filter.level = &filter.texture->level(0);
     if (!(length > 0.0) || !std::isfinite(length)) return;
 
     // A piece narrower than a texel needs no narrower samples.
     const double ratio = length / std::max({width, 1.0, length / kMostSamples});
     filter.samples = std::clamp(static_cast<int>(std::ceil(ratio - 0.25)), 1, kMostSamples);
-    filter.level = static_cast<int>(
-        std::clamp(std::round(std::log2(length / filter.samples) + kTentBias), 0.0, 31.0));
+    filter.level = &filter.texture->level(static_cast<int>(
+        std::clamp(std::round(std::log2(length / filter.samples) + kTentBias), 0.0, 31.0)));
     filter.share = 1.0f / static_cast<float>(filter.samples);
     if (filter.samples == 1) return;
     const glm::dvec2 long_way = std::abs(uv) > 1e-12 * middle
@@ -141,12 +220,41 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
     filter.step = long_way * (length / filter.samples) / size;
 }
 
-template <class Look>
-void SurfaceSampler::Triangle::for_samples(const Filter& filter, const dvec4& point,
-                                           const Look& look) const {
+/// Nearly all textures repeat and have sides of powers of two.
+void SurfaceSampler::simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
+                              const Look& look) {
+    constexpr double kFar = 1e9;  // texels; whole periods are left for what is around a triangle
+    const glm::dvec2 size = filter.level->size();
+    filter.simple = filter.level->is_simple();
+    for (const vec2& corner : look.coordinates)
+        filter.simple &=
+            glm::all(glm::lessThan(glm::abs(glm::dvec2(corner)) * size, glm::dvec2(kFar)));
+    for (int i = 0; i < 2; ++i) {
+        dvec4& texels = filter.texels[static_cast<unsigned>(i)];
+        texels = coordinates[static_cast<unsigned>(i)] * size[i];
+        texels.w += MipTexture::Level::kPeriods - 0.5;
+    }
+    filter.texel_step = filter.step * size;
+}
+
+vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec4& point) const {
+    const double first = -0.5 * (filter.samples - 1);
+    if (filter.simple) {
+        glm::dvec2 at(glm::dot(filter.texels[0], point), glm::dot(filter.texels[1], point));
+        at = glm::clamp(at + first * filter.texel_step, 0.0, 2.0 * MipTexture::Level::kPeriods);
+        detail::FourFloats sum = filter.level->sample_simple(at);
+        for (int i = 1; i < filter.samples; ++i) {
+            at += filter.texel_step;
+            sum += filter.level->sample_simple(at);
+        }
+        sum *= 1.0f / 65535.0f;
+        return {sum[0], sum[1], sum[2], sum[3]};
+    }
     const glm::dvec2 middle(glm::dot(coordinates_[0], point), glm::dot(coordinates_[1], point));
+    vec4 sum(0.0f);
     for (int i = 0; i < filter.samples; ++i)
-        look(middle + (i - 0.5 * (filter.samples - 1)) * filter.step);
+        sum += filter.level->sample(middle + (i + first) * filter.step);
+    return sum;
 }
 
 SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
@@ -160,9 +268,7 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     }
     vec3 base(color);
     if (base_.texture) {
-        vec4 sum(0.0f);
-        for_samples(base_, p,
-                    [&](const glm::dvec2& at) { sum += base_.texture->sample(at, base_.level); });
+        const vec4 sum = sum_of_samples(base_, p);
         if (!has_holes_) {
             base *= vec3(sum) * base_.share;
         } else if (sum.a > 1e-5f) {
@@ -176,10 +282,7 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     }
     vec3 glow = emission_;
     if (glow_.texture) {
-        vec4 sum(0.0f);
-        for_samples(glow_, p,
-                    [&](const glm::dvec2& at) { sum += glow_.texture->sample(at, glow_.level); });
-        glow *= vec3(sum) * glow_.share;
+        glow *= vec3(sum_of_samples(glow_, p)) * glow_.share;
     }
     for (int i = 0; i < 3; ++i) {
         sample.color[static_cast<unsigned>(i)] =

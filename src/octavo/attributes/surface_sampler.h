@@ -3,10 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "octavo/attributes/mip_texture.h"
+#include "octavo/core/mapped_words.h"
 #include "octavo/core/vec.h"
 #include "octavo/mesh/scene.h"
 
@@ -21,14 +26,21 @@ struct SurfaceSample {
 };
 
 /// Says what the surfaces of a scene look like: the material's factor, times the colours of the
-/// corners, times its texture where that is decoded.
+/// corners, times its texture. A texture that is not decoded yet is decoded for this alone.
 class SurfaceSampler {
 public:
-    /// Cost: that of filtering the textures to all their sizes. @param scene  outlives this
-    explicit SurfaceSampler(const Scene& scene);
+    /// @param scene    outlives this, unless a scratch folder is given
+    /// @param scratch  a folder for temporary files, in which textures and what is known of each
+    ///                 triangle wait to be looked at; or empty: all of it is in memory
+    /// @throws Error   io
+    /// Cost            that of decoding the textures and filtering them to all their sizes
+    explicit SurfaceSampler(const Scene& scene, const std::filesystem::path& scratch = {});
 
     /// The radiance that the emission of samples is a part of; 0 where nothing emits.
     [[nodiscard]] float greatest_emission() const { return greatest_emission_; }
+
+    /// Textures that could not be read.
+    [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
     /// One triangle, ready to be sampled at many places.
     class Triangle {
@@ -41,13 +53,17 @@ public:
 
         struct Filter {
             const MipTexture* texture = nullptr;
-            int level = 0;
+            const MipTexture::Level* level = nullptr;
             int samples = 1;
             float share = 1.0f;    // 1 / samples
             glm::dvec2 step{0.0};  // from one sample to the next
+            // Where the level is simple: texels for MipTexture::sample_simple(), affine in the
+            // point, and the step in texels.
+            bool simple = false;
+            std::array<dvec4, 2> texels;
+            glm::dvec2 texel_step{0.0};
         };
-        template <class Look>
-        void for_samples(const Filter& filter, const dvec4& point, const Look& look) const;
+        [[nodiscard]] vec4 sum_of_samples(const Filter& filter, const dvec4& point) const;
 
         std::array<dvec4, 2> weights_;      // of the second and third corner: affine in the point
         std::array<dvec4, 2> coordinates_;  // in the texture, likewise
@@ -65,13 +81,35 @@ public:
     [[nodiscard]] Triangle prepare(std::size_t triangle, const std::array<dvec3, 3>& corners,
                                    double footprint) const;
 
+    /// Gives back what temporary files back, until it is next looked at.
+    void release() const;
+
 private:
+    /// What is known of a triangle but for its place.
+    struct Look {
+        std::uint32_t material;
+        std::array<std::array<std::uint8_t, 4>, 3> colors;
+        std::array<vec2, 3> coordinates;
+    };
+    static constexpr std::size_t kLookWords = 10;
+
     static void choose_filter(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
                               double footprint);
+    static void simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
+                         const Look& look);
+    void make_textures(const Scene& scene, const std::filesystem::path& scratch);
+    void write_looks(const Scene& scene, const std::filesystem::path& scratch);
+    [[nodiscard]] static Look look_of(const Scene& scene, std::size_t triangle);
+    [[nodiscard]] Look look(std::size_t triangle) const;
+    [[nodiscard]] const Material& material(std::uint32_t index) const;
     [[nodiscard]] const MipTexture* mip_texture(int texture, int least_alpha) const;
 
-    const Scene& scene_;
+    const Scene* scene_;                  // where looks are not on disk
+    std::shared_ptr<MappedWords> looks_;  // where they are
+    std::vector<Material> materials_;
+    bool has_coordinates_, has_colors_;
     std::map<std::pair<int, int>, MipTexture> textures_;  // by index and least alpha
+    std::vector<std::string> warnings_;
     float greatest_emission_ = 0.0f;
 };
 

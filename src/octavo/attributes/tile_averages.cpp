@@ -58,14 +58,18 @@ dvec3 nearest_point(const std::array<dvec3, 3>& t, const dvec3& p) {
 /// A cell's face is 2^32 and colours have 16 bits: the sums hold for 65 536 faces in a cell.
 class TileAverager::Sum {
 public:
+    /// @param color_alone  emission and normal are not asked for
+    explicit Sum(bool color_alone) : color_alone_(color_alone) {}
+
     void add(const Part& part, const Facet& facet) {
         // Emission and normal count the whole area, colour only what is no hole.
         area_ += part.area;
         const std::uint64_t solid =
             part.sample.opacity == 65535 ? part.area : part.area * part.sample.opacity / 65535;
         solid_ += solid;
+        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.sample.color[i];
+        if (color_alone_) return;
         for (unsigned i = 0; i < 3; ++i) {
-            color_[i] += solid * part.sample.color[i];
             emission_[i] += (part.area >> 8) * part.sample.emission[i];
             normal_[i] += static_cast<std::int64_t>(part.area >> 8) * facet.normal[i];
         }
@@ -94,29 +98,32 @@ public:
     }
 
 private:
+    bool color_alone_;
     std::uint64_t area_ = 0, solid_ = 0;
     std::array<std::uint64_t, 3> color_{}, emission_{};
     std::array<std::int64_t, 3> normal_{};
 };
 
-TileAverager::TileAverager(const CellIndex& cells, const FixedMesh& mesh,
-                           const SurfaceSampler& surfaces, const AttributeOptions& wanted,
-                           int tile_depth)
+TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles,
+                           const SurfaceSampler& surfaces, const AttributeOptions& wanted)
     : cells_(cells),
-      mesh_(mesh),
+      triangles_(triangles),
       surfaces_(surfaces),
       wanted_(wanted),
-      tile_depth_(tile_depth),
-      unit_(std::ldexp(1.0, -mesh.fraction_bits())),
+      tile_depth_(triangles.tile_depth()),
+      unit_(std::ldexp(1.0, -triangles.frame().fraction_bits)),
       kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
-      masks_(std::size_t{1} << 3 * std::max(0, tile_depth - 2)),
+      masks_(std::size_t{1} << 3 * std::max(0, tile_depth_ - 2)),
       firsts_(masks_.size()) {}
 
-void TileAverager::average(const uvec3& tile, const CellRange& range,
-                           std::span<const TileTriangle> triangles, TileValues& out) {
+void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues& out) {
     find_cells(range);
-    to_tile_ = dvec3(mesh_.base()) - dvec3(tile << static_cast<unsigned>(tile_depth_));
-    cut_triangles(triangles);
+    to_tile_ = dvec3(triangles_.frame().base) - dvec3(tile << static_cast<unsigned>(tile_depth_));
+    facets_.clear();
+    parts_.clear();
+    triangles_.for_each(tile, [&](const std::array<FixedPoint, 3>& corners, std::size_t in_scene) {
+        cut(corners, in_scene);
+    });
     sort_parts();
     touch_bare_cells();
     for (std::size_t c = 0; c < out.size(); ++c) out[c].resize(kept_[c] ? codes_.size() : 0);
@@ -152,38 +159,31 @@ std::uint32_t TileAverager::number_of(const ivec3& cell) const {
     return firsts_[code >> 6] + static_cast<unsigned>(std::popcount(mask & (bit - 1)));
 }
 
-void TileAverager::cut_triangles(std::span<const TileTriangle> triangles) {
-    facets_.clear();
-    parts_.clear();
-    const ivec3 end(1 << tile_depth_);
-    for (const TileTriangle& t : triangles) {
-        std::array<FixedPoint, 3> fixed;
-        if (!mesh_.corners(t.triangle, fixed)) continue;
-        Facet facet{};
-        facet.in_scene = mesh_.scene_triangle(t.triangle);
-        for (unsigned i = 0; i < 3; ++i)
-            facet.corners[i] = dvec3(fixed[i].x, fixed[i].y, fixed[i].z) * unit_ + to_tile_;
-        const TrianglePieces pieces(facet.corners);
-        if (pieces.area() > 0.0) {
-            const dvec3 n = pieces.normal();
-            for (int i = 0; i < 3; ++i)
-                facet.normal[static_cast<unsigned>(i)] = std::llround(n[i] * kNormalUnits);
-            const dvec3 size = glm::abs(n);
-            const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
-            facet.facing = 2 * axis + (n[axis] > 0.0);
-        }
-        const auto number = static_cast<std::uint32_t>(facets_.size());
-        facets_.push_back(facet);
-        const SurfaceSampler::Triangle surface =
-            surfaces_.prepare(facet.in_scene, facet.corners, footprint_of(pieces.area()));
-        pieces.for_each(ivec3(0), end, [&](const TrianglePieces::Piece& piece) {
-            const std::uint32_t cell = number_of(piece.cell);
-            const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
-            if (cell == kNoNumber || area == 0) return;
-            const SurfaceSample sample = surface.at(piece.centre);
-            if (sample.opacity != 0) parts_.push_back({cell, number, area, sample});
-        });
+void TileAverager::cut(const std::array<FixedPoint, 3>& corners, std::size_t in_scene) {
+    Facet facet{};
+    facet.in_scene = in_scene;
+    for (unsigned i = 0; i < 3; ++i)
+        facet.corners[i] = dvec3(corners[i].x, corners[i].y, corners[i].z) * unit_ + to_tile_;
+    const TrianglePieces pieces(facet.corners);
+    if (pieces.area() > 0.0) {
+        const dvec3 n = pieces.normal();
+        for (int i = 0; i < 3; ++i)
+            facet.normal[static_cast<unsigned>(i)] = std::llround(n[i] * kNormalUnits);
+        const dvec3 size = glm::abs(n);
+        const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+        facet.facing = 2 * axis + (n[axis] > 0.0);
     }
+    const auto number = static_cast<std::uint32_t>(facets_.size());
+    facets_.push_back(facet);
+    const SurfaceSampler::Triangle surface =
+        surfaces_.prepare(in_scene, facet.corners, footprint_of(pieces.area()));
+    pieces.for_each(ivec3(0), ivec3(1 << tile_depth_), [&](const TrianglePieces::Piece& piece) {
+        const std::uint32_t cell = number_of(piece.cell);
+        const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
+        if (cell == kNoNumber || area == 0) return;
+        const SurfaceSample sample = surface.at(piece.centre);
+        if (sample.opacity != 0) parts_.push_back({cell, number, area, sample});
+    });
 }
 
 void TileAverager::sort_parts() {
@@ -270,10 +270,11 @@ void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> part
         if (kept_[c]) out[c][cell] = value;
     };
     const float greatest = surfaces_.greatest_emission();
+    const bool color_alone = !wanted_.normal && !(greatest > 0.0f);
     if (parts.size() == 1) {  // as in most cells
         const Part& part = parts_[parts[0]];
-        Sum sum;
-        sum.add(part, facets_[part.facet]);
+        Sum sum(color_alone);
+        if (!color_alone) sum.add(part, facets_[part.facet]);
         Rgb8 color{};
         for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
         put(Channel::color, pack_rgb8(color));
@@ -292,14 +293,14 @@ void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> part
         facing[static_cast<unsigned>(way)] += parts_[p].area;
         one_way = one_way && way == facets_[parts_[parts[0]].facet].facing;
     }
-    Sum front, back;
+    Sum front(color_alone), back(color_alone);
     std::uint32_t direction = 0;
     if (one_way) {
         for (const std::uint32_t p : parts) front.add(parts_[p], facets_[parts_[p].facet]);
     } else {
         const int main =
             static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
-        Sum most;
+        Sum most(false);
         for (const std::uint32_t p : parts) {
             const Facet& facet = facets_[parts_[p].facet];
             if (facet.facing == main) most.add(parts_[p], facet);

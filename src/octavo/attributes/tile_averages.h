@@ -9,7 +9,7 @@
 #include "octavo/attributes/attributes.h"
 #include "octavo/attributes/build_attributes.h"
 #include "octavo/attributes/surface_sampler.h"
-#include "octavo/voxelize/triangle_source.h"
+#include "octavo/attributes/surface_tiles.h"
 
 namespace octavo {
 
@@ -21,16 +21,13 @@ using TileValues = std::array<std::vector<std::uint32_t>, Attributes::kChannels>
 /// tile.
 class TileAverager {
 public:
-    /// @param mesh  the scene rounded to a grid whose voxels are the cells
     /// All outlive this.
-    TileAverager(const CellIndex& cells, const FixedMesh& mesh, const SurfaceSampler& surfaces,
-                 const AttributeOptions& wanted, int tile_depth);
+    TileAverager(const CellIndex& cells, const SurfaceTiles& triangles,
+                 const SurfaceSampler& surfaces, const AttributeOptions& wanted);
 
-    /// @param tile       in tiles
-    /// @param range      the numbers of its cells, not empty
-    /// @param triangles  those that meet it
-    void average(const uvec3& tile, const CellRange& range, std::span<const TileTriangle> triangles,
-                 TileValues& out);
+    /// @param tile   in tiles
+    /// @param range  the numbers of its cells, not empty
+    void average(const uvec3& tile, const CellRange& range, TileValues& out);
 
 private:
     struct Facet {  // a triangle as it is in this tile
@@ -49,13 +46,13 @@ private:
 
     void find_cells(const CellRange& range);
     [[nodiscard]] std::uint32_t number_of(const ivec3& cell) const;
-    void cut_triangles(std::span<const TileTriangle> triangles);
+    void cut(const std::array<FixedPoint, 3>& corners, std::size_t in_scene);
     void sort_parts();
     void touch_bare_cells();
     void write(std::uint32_t cell, std::span<const std::uint32_t> parts, TileValues& out) const;
 
     const CellIndex& cells_;
-    const FixedMesh& mesh_;
+    const SurfaceTiles& triangles_;
     const SurfaceSampler& surfaces_;
     const AttributeOptions& wanted_;
     int tile_depth_;

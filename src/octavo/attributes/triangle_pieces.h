@@ -81,11 +81,14 @@ private:
             const auto [low, high] = range(axis);
             if (high <= plane) return give(below, above);
             if (low >= plane) return give(above, below);
-            const Polygon whole = *this;
+            // Either result may be this polygon, so its points are read from a copy.
+            std::array<dvec3, 16> whole;
+            const unsigned corners = count;
+            std::copy_n(points.begin(), corners, whole.begin());
             below.count = above.count = 0;
-            for (unsigned i = 0; i < whole.count; ++i) {
-                const dvec3& a = whole.points[i];
-                const dvec3& b = whole.points[i + 1 == whole.count ? 0 : i + 1];
+            for (unsigned i = 0; i < corners; ++i) {
+                const dvec3& a = whole[i];
+                const dvec3& b = whole[i + 1 == corners ? 0 : i + 1];
                 const double from_a = a[axis] - plane, from_b = b[axis] - plane;
                 if (from_a <= 0.0) below.points[below.count++] = a;
                 if (from_a >= 0.0) above.points[above.count++] = a;

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <utility>
 
+#include "octavo/attributes/cell_index.h"
 #include "octavo/construct/scratch.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
@@ -33,9 +35,22 @@ constexpr double kMergeBytesPerDagByte = 0.1;
 // Parts hold a node more than once, the merged part and the finished words once each.
 constexpr double kScratchBytesPerDagByte = 3.5;
 
+// A cell's attributes, in blocks with palettes: textured surfaces take most for colour, normals of
+// curved ones for these.
+constexpr double kColorBytes = 3.1, kRoughColorBytes = 1.2, kNormalBytes = 1.5;
+constexpr double kEmissionBytes = 0.3, kBackPart = 0.1;
+constexpr double kSecondsPerCell = 0.25e-6;  // of one core
+
+// Where attributes spill: tiles in flight, and 4 bytes for each block of each channel.
+constexpr std::uint64_t kLeastForAttributes = 8 << 20;
+constexpr std::uint64_t kLeastForAttributesPerThread = 10 << 20;
+constexpr double kTableBytesPerCell = 6 * 4.0 / CellValues::kBlockCells;
+
 struct Trial {
     double seconds = 0.0;
     double dag_bytes = 1.0;
+    double voxels = 1.0;
+    Dag dag;
 };
 
 Trial try_build(const Scene& scene, const BuildOptions& options, int depth) {
@@ -66,9 +81,29 @@ Trial try_build(const Scene& scene, const BuildOptions& options, int depth) {
         coarse.grid->depth = depth;
     }
     const auto start = std::chrono::steady_clock::now();
-    const Dag dag = build(scene, coarse).dag;
+    BuildResult built = build(scene, coarse);
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    return {passed.count(), std::max(1.0, static_cast<double>(dag.size_bytes()))};
+    return {passed.count(), std::max(1.0, static_cast<double>(built.dag.size_bytes())),
+            std::max(1.0, static_cast<double>(built.statistics.voxels)), std::move(built.dag)};
+}
+
+/// Of this level, which may be finer than the trials.
+double count_cells(const Trial& coarsest, const Trial& coarse, int level) {
+    if (level <= coarse.dag.depth())
+        return static_cast<double>(CellIndex(coarse.dag, level).count());
+    const double growth = std::clamp(coarse.voxels / coarsest.voxels, 1.0, 4.0);
+    return coarse.voxels * std::pow(growth, level - coarse.dag.depth());
+}
+
+double attribute_bytes_per_cell(const AttributeOptions& wanted, const Scene& scene) {
+    const bool shines = std::ranges::any_of(scene.materials, [](const Material& m) {
+        return m.emission.x + m.emission.y + m.emission.z > 0.0f;
+    });
+    double bytes = 0.0;
+    if (wanted.color) bytes += wanted.tolerance > 0 ? kRoughColorBytes : kColorBytes;
+    if (wanted.normal) bytes += kNormalBytes;
+    if (wanted.emission && shines) bytes += kEmissionBytes;
+    return bytes * (1.0 + kBackPart);
 }
 
 std::uint64_t store_bytes(double dag_bytes) {
@@ -81,14 +116,24 @@ std::string megabytes(double bytes) {
 
 }  // namespace
 
-Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
+Estimate estimate_build(const Scene& scene, const BuildOptions& options,
+                        const AttributeOptions* attributes) {
     const std::uint64_t import_peak = peak_resident_bytes();
     Estimate estimate;
     estimate.depth = options.grid ? options.grid->depth : options.depth;
     const int near = std::max(estimate.depth - kCoarserBy, std::min(estimate.depth, 6));
     const int far = std::max(near - 1, kMinDepth);
     const Trial coarsest = try_build(scene, options, far);
-    const Trial coarse = try_build(scene, options, near);
+    Trial coarse = try_build(scene, options, near);
+    double cells = 0.0;
+    if (attributes != nullptr) {
+        const int level = attributes->level != 0 ? attributes->level
+                                                 : AttributeOptions::usual_level(estimate.depth);
+        cells = count_cells(coarsest, coarse, level);
+        estimate.attribute_bytes =
+            static_cast<std::uint64_t>(cells * attribute_bytes_per_cell(*attributes, scene));
+    }
+    coarse.dag = {};
     trim_memory();
 
     // A surface has four times the voxels at twice the resolution, and never more nodes than that;
@@ -118,6 +163,18 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options) {
                       static_cast<std::uint64_t>(kMergeBytesPerDagByte * dag_bytes)});
     estimate.scratch_bytes = static_cast<std::uint64_t>(kScratchBytesPerDagByte * dag_bytes) +
                              120 * scene.triangles.size();
+    if (attributes != nullptr) {
+        estimate.seconds += cells * kSecondsPerCell / static_cast<double>(threads);
+        // All channels, and the largest of them once more; the DAG is in memory beside them.
+        estimate.peak_bytes =
+            std::max(estimate.peak_bytes,
+                     held + triangles_in_tiles + estimate.dag_bytes + 2 * estimate.attribute_bytes);
+        estimate.least_bytes =
+            std::max(estimate.least_bytes,
+                     held + kLeastForAttributes + threads * kLeastForAttributesPerThread +
+                         static_cast<std::uint64_t>(kTableBytesPerCell * cells));
+        estimate.scratch_bytes += estimate.attribute_bytes + 100 * scene.triangles.size();
+    }
     return estimate;
 }
 

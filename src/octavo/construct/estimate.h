@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "octavo/attributes/build_attributes.h"
 #include "octavo/construct/build.h"
 #include "octavo/mesh/scene.h"
 
@@ -12,11 +13,14 @@ namespace octavo {
 struct Estimate {
     int depth = 0;
     double seconds = 0.0;
-    std::uint64_t dag_bytes = 0;      // about the size of the file, uncompressed
+    std::uint64_t dag_bytes = 0;
+    std::uint64_t attribute_bytes = 0;
     std::uint64_t peak_bytes = 0;     // of memory, for the whole process, where there is no cap
     std::uint64_t least_bytes = 0;    // the least cap that spilling can keep
-    std::uint64_t scratch_bytes = 0;  // of disk, if nodes and triangles have to spill
+    std::uint64_t scratch_bytes = 0;  // of disk, if all that can spill has to
     double growth = 1.0;              // of dag_bytes with each further level
+
+    [[nodiscard]] std::uint64_t file_bytes() const { return dag_bytes + attribute_bytes; }
 };
 
 /// Estimates a build by doing it twice, at an eighth and a sixteenth of the resolution, and taking
@@ -25,7 +29,12 @@ struct Estimate {
 ///
 /// Cost: a few hundredths of the build where voxels outnumber triangles; up to a third where they
 /// do not.
-[[nodiscard]] Estimate estimate_build(const Scene& scene, const BuildOptions& options);
+///
+/// @param attributes  what is to be averaged over the surfaces as well, or null; with a cap as if
+///                    AttributeSource had been made already. What pictures take that are not
+///                    decoded is not known
+[[nodiscard]] Estimate estimate_build(const Scene& scene, const BuildOptions& options,
+                                      const AttributeOptions* attributes = nullptr);
 
 /// @throws Error limit  where the cap cannot be kept, not even by spilling; says what resolution or
 ///                      cap would do

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/construct/frozen_part.h"
 
-#include <sys/mman.h>
-
 #include <memory>
 #include <span>
 #include <utility>
@@ -10,6 +8,7 @@
 
 #include "octavo/construct/reduce.h"
 #include "octavo/core/error.h"
+#include "octavo/core/mapped_words.h"
 
 namespace octavo {
 namespace {
@@ -35,29 +34,6 @@ private:
     SpillFile& file_;
     std::uint64_t end_ = 0;
     std::vector<std::uint32_t> buffer_;
-};
-
-/// A file's bytes in memory, as long as somebody needs them.
-class MappedWords {
-public:
-    MappedWords(const SpillFile& file, std::uint64_t words) : size_(words * sizeof(std::uint32_t)) {
-        if (size_ == 0) return;
-        address_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.descriptor(), 0);
-        if (address_ == MAP_FAILED) throw io_error(file.path(), "map");
-    }
-    ~MappedWords() {
-        if (size_ > 0) munmap(address_, size_);
-    }
-    MappedWords(const MappedWords&) = delete;
-    MappedWords& operator=(const MappedWords&) = delete;
-
-    [[nodiscard]] std::span<const std::uint32_t> words() const {
-        return {static_cast<const std::uint32_t*>(address_), size_ / sizeof(std::uint32_t)};
-    }
-
-private:
-    void* address_ = nullptr;
-    std::size_t size_;
 };
 
 /// Copies the nodes of a level and moves their pointers on to where the next level begins.

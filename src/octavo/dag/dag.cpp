@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/dag/dag.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <utility>
 
+#include "octavo/core/mapped_words.h"
 #include "octavo/core/morton.h"
 
 namespace octavo {
@@ -27,12 +25,7 @@ Dag::Dag(int depth, std::vector<std::uint64_t> levels, std::span<const std::uint
 
 void Dag::release(std::uint64_t first_word, std::uint64_t count) const {
     if (backing_ != Backing::mapped_file) return;
-    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-    const auto begin = reinterpret_cast<std::uintptr_t>(words_.data() + first_word) / page * page;
-    const auto end =
-        reinterpret_cast<std::uintptr_t>(words_.data() + first_word + count) / page * page;
-    // Advice; the pages are the file's and unchanged, so they read the same afterwards.
-    if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    release_pages(words_.subspan(first_word, count));
 }
 
 bool Dag::voxel(const uvec3& voxel) const {

@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,15 +66,15 @@ private:
                                                                            XXH3_freeState};
 };
 
+/// Says that these words, from the first on, are written and so not needed for a while.
+using Release = std::function<void(std::uint64_t first, std::uint64_t count)>;
+
 /// A section of words, the DAG's or an attribute's.
-/// @param released  the DAG whose pages may go as they are written; or null
 void write_words(SectionWriter& writer, std::uint32_t id, std::uint32_t flags,
-                 std::span<const std::uint32_t> words, const Dag* released,
+                 std::span<const std::uint32_t> words, const Release& release_words,
                  const OctvWriteOptions& options) {
     const auto release = [&](std::uint64_t first, std::uint64_t last) {
-        if (released != nullptr)
-            released->release(first / sizeof(std::uint32_t),
-                              (last - first) / sizeof(std::uint32_t));
+        release_words(first / sizeof(std::uint32_t), (last - first) / sizeof(std::uint32_t));
     };
     const std::span<const std::byte> raw = std::as_bytes(words);
     const bool compress = options.compress && !raw.empty();
@@ -374,13 +375,21 @@ void write_octv(const std::filesystem::path& path, const Model& model,
     writer.begin(kMetadataSection, kRequired, json.size());
     writer.append(std::as_bytes(std::span(json)));
     writer.end();
-    write_words(writer, kDagSection, kRequired, model.dag.words(), &model.dag, options);
+    const auto release_nodes = [&](std::uint64_t first, std::uint64_t count) {
+        model.dag.release(first, count);
+    };
+    write_words(writer, kDagSection, kRequired, model.dag.words(), release_nodes, options);
     for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
-        const auto words = attributes.channel(static_cast<Attributes::Channel>(c)).words();
-        if (!words.empty()) write_words(writer, kAttributeSections[c], 0, words, nullptr, options);
+        const CellValues& values = attributes.channel(static_cast<Attributes::Channel>(c));
+        const auto release_values = [&](std::uint64_t first, std::uint64_t count) {
+            values.release(first, count);
+        };
+        if (!values.words().empty())
+            write_words(writer, kAttributeSections[c], 0, values.words(), release_values, options);
     }
+    const auto keep = [](std::uint64_t, std::uint64_t) {};
     if (!model.light.empty())
-        write_words(writer, kLightSection, 0, model.light.words(), nullptr, options);
+        write_words(writer, kLightSection, 0, model.light.words(), keep, options);
     writer.write_directory();
     file.commit();
 }

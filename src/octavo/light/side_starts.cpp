@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/light/side_starts.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "octavo/core/morton.h"
@@ -14,6 +15,10 @@ namespace {
 /// Along each edge of a cell: where places are looked for. Sobol's points have one in each of these
 /// squares, and fill the face evenly from the first on.
 constexpr int kColumns = 4;
+
+/// Of how many starts the normals count, and how much finer than the cell they are looked for.
+constexpr int kNormals = 2;
+constexpr int kBlocksDepth = 2;
 
 /// A leaf's voxels, in Morton order; none outside the grid. @param leaf  at level depth - 2
 std::uint64_t leaf_mask(const shared::DagView& dag, const ivec3& leaf) {
@@ -142,18 +147,28 @@ SideStarts::SideStarts(const LitObject& object, const uvec3& cell, int direction
 std::optional<vec3> side_normal(const LitObject& object, const uvec3& cell, int direction) {
     const SideStarts starts(object, cell, direction);
     if (starts.count == 0) return std::nullopt;
-    // Of the cell as a whole, seen through its face, where that is open; else of its voxels.
+    // Of blocks a quarter as wide as the cell, where rays start: a normal of whole cells would be
+    // that of all that is five cells around, and a ledge not that wide would face anywhere. Blocks
+    // are seen through their face, where that is open; else the voxels themselves are.
     const shared::DagView dag = shared::view(object.dag);
-    const int height = object.dag.depth() - object.attributes.level();
-    shared::GridHit hit{0.0f, cell, height, direction, 0};
-    if (height > 0 &&
-        shared::cell_exists(dag, ivec3(cell) + shared::step_across(direction), height)) {
-        const dvec3 inside =
-            origin_of(starts.rays[0]) - 0.5 * dvec3(shared::step_across(direction));
-        hit.path = uvec3(inside);
-        hit.height = 0;
+    const int cell_height = object.dag.depth() - object.attributes.level();
+    const int block_height = std::max(0, cell_height - kBlocksDepth);
+    const ivec3 before = shared::step_across(direction);
+    vec3 sum(0.0f);
+    const int places = cell_height == 0 ? 1 : std::min(starts.count, kNormals);
+    for (int i = 0; i < places; ++i) {
+        const shared::GridRay& start = starts.rays[static_cast<std::size_t>(i)];
+        const uvec3 voxel(origin_of(start) - 0.5 * dvec3(before));
+        shared::GridHit hit{0.0f, voxel >> static_cast<unsigned>(block_height), block_height,
+                            direction, 0};
+        if (block_height > 0 && shared::cell_exists(dag, ivec3(hit.path) + before, block_height)) {
+            hit.path = voxel;
+            hit.height = 0;
+        }
+        sum += smooth_normal(dag, start, hit);
     }
-    return smooth_normal(dag, starts.rays[0], hit);
+    const float length = glm::length(sum);
+    return length > 1e-3f ? sum / length : vec3(before);
 }
 
 }  // namespace octavo

@@ -20,14 +20,18 @@ const Texture* decoded_texture(const Scene& scene, int texture) {
 }
 
 int least_alpha(const Scene& scene, std::size_t triangle) {
-    const Material& material = material_of(scene, triangle);
-    if (!material.alpha_cutoff || !(*material.alpha_cutoff > 0.0f)) return 0;
-    float alpha = material.base_color.a;
+    std::uint8_t alpha = 255;
     if (!scene.colors.empty()) {
         const uvec3& t = scene.triangles[triangle];
         const auto corner = [&](std::uint32_t vertex) { return scene.colors[vertex][3]; };
-        alpha *= static_cast<float>(std::max({corner(t.x), corner(t.y), corner(t.z)})) / 255.0f;
+        alpha = std::max({corner(t.x), corner(t.y), corner(t.z)});
     }
+    return least_alpha(material_of(scene, triangle), alpha);
+}
+
+int least_alpha(const Material& material, std::uint8_t corner_alpha) {
+    if (!material.alpha_cutoff || !(*material.alpha_cutoff > 0.0f)) return 0;
+    const float alpha = material.base_color.a * (static_cast<float>(corner_alpha) / 255.0f);
     // alpha * byte / 255 >= cutoff
     const float least = std::ceil(*material.alpha_cutoff * 255.0f / alpha - 1e-4f);
     return least <= 255.0f ? std::max(0, static_cast<int>(least)) : 256;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "octavo/mesh/scene.h"
 
@@ -17,5 +18,7 @@ namespace octavo {
 /// has none, 256 where it is nothing but hole. Alpha is that of the material times that of the
 /// corners, of which the greatest counts, times that of the texture.
 [[nodiscard]] int least_alpha(const Scene& scene, std::size_t triangle);
+/// The same by the material and the greatest alpha of the corners.
+[[nodiscard]] int least_alpha(const Material& material, std::uint8_t corner_alpha);
 
 }  // namespace octavo

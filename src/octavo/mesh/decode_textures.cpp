@@ -20,6 +20,23 @@ Bitmap decode(const Texture& texture) {
 
 }  // namespace
 
+std::shared_ptr<const Bitmap> decoded_picture(const Scene& scene, int index, std::string& warning) {
+    const Texture& texture = scene.textures[static_cast<std::size_t>(index)];
+    if (texture.picture) return texture.picture;
+    const auto leave_out = [&](const std::string& why) {
+        const std::string name = texture.name.empty() ? std::to_string(index) : texture.name;
+        warning = "texture '" + name + "' " + why + ": left out";
+        return nullptr;
+    };
+    try {
+        return std::make_shared<const Bitmap>(decode(texture));
+    } catch (const Error& error) {
+        return leave_out(error.what());
+    } catch (const std::bad_alloc&) {
+        return leave_out("does not fit into memory");
+    }
+}
+
 void decode_textures(Scene& scene, WantedTextures wanted) {
     std::vector<bool> used(scene.textures.size());
     const auto use = [&](int texture) {
@@ -34,19 +51,8 @@ void decode_textures(Scene& scene, WantedTextures wanted) {
 
     std::vector<std::string> warnings(used.size());
     tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t i) {
-        Texture& texture = scene.textures[i];
-        if (!used[i] || texture.picture) return;
-        const auto leave_out = [&](const std::string& why) {
-            const std::string name = texture.name.empty() ? std::to_string(i) : texture.name;
-            warnings[i] = "texture '" + name + "' " + why + ": left out";
-        };
-        try {
-            texture.picture = std::make_shared<const Bitmap>(decode(texture));
-        } catch (const Error& error) {
-            leave_out(error.what());
-        } catch (const std::bad_alloc&) {
-            leave_out("does not fit into memory");
-        }
+        if (!used[i] || scene.textures[i].picture) return;
+        scene.textures[i].picture = decoded_picture(scene, static_cast<int>(i), warnings[i]);
     });
     for (std::string& warning : warnings)
         if (!warning.empty()) scene.warnings.push_back(std::move(warning));

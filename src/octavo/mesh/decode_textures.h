@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include "octavo/mesh/scene.h"
 
 namespace octavo {
@@ -16,5 +19,10 @@ enum class WantedTextures {
 ///
 /// Memory: 4 bytes for each pixel.
 void decode_textures(Scene& scene, WantedTextures wanted);
+
+/// The picture of the scene's texture with this index, decoded now if it is not yet, and then not
+/// kept in the scene. None where it cannot be read, and `warning` says why.
+[[nodiscard]] std::shared_ptr<const Bitmap> decoded_picture(const Scene& scene, int texture,
+                                                            std::string& warning);
 
 }  // namespace octavo

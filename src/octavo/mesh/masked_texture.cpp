@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/mesh/masked_texture.h"
 
-#include <png.h>
-
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <string>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/file_bytes.h"
+#include "octavo/mesh/png.h"
 #include "octavo/mesh/tga.h"
 
 namespace octavo {
@@ -64,20 +62,10 @@ Bitmap join(const Bitmap& colors, const Bitmap& alpha) {
     return joined;
 }
 
-std::vector<std::byte> encode_png(const Bitmap& picture) {
-    png_image image;
-    std::memset(&image, 0, sizeof image);
-    image.version = PNG_IMAGE_VERSION;
-    image.width = static_cast<png_uint_32>(picture.width);
-    image.height = static_cast<png_uint_32>(picture.height);
-    image.format = PNG_FORMAT_RGBA;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-    std::vector<std::byte> bytes(size);
-    if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.pixels.data(), 0,
-                                   nullptr))
-        throw Error(Errc::limit, std::string("a picture cannot be encoded: ") + image.message);
-    bytes.resize(size);
-    return bytes;
+std::vector<std::byte> encoded(const Bitmap& picture) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(picture.pixels.data());
+    return encode_png({bytes, 4 * picture.pixels.size()}, picture.width, picture.height,
+                      PngChannels::rgba);
 }
 
 }  // namespace
@@ -100,7 +88,7 @@ int add_masked_texture(Scene& scene, const std::filesystem::path& folder,
         for (auto& p : mask->pixels) p = {255, 255, 255, p[3]};
     Texture texture;
     texture.name = name;
-    texture.encoded = encode_png(*mask);
+    texture.encoded = encoded(*mask);
     scene.textures.push_back(std::move(texture));
     return static_cast<int>(scene.textures.size()) - 1;
 }

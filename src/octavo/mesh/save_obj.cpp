@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
+#include <cstring>
 #include <set>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "octavo/mesh/confined_path.h"
+#include "octavo/mesh/file_bytes.h"
 #include "octavo/mesh/output_file.h"
+#include "octavo/mesh/png.h"
 #include "octavo/mesh/save_formats.h"
 
 namespace octavo {
@@ -36,16 +41,70 @@ void write_color(OutputFile& out, const char* keyword, const vec3& color) {
     out.write("\n");
 }
 
+/// The extension that a picture's bytes call for.
+const char* extension_of(std::span<const std::byte> picture) {
+    const auto begins_with = [&](std::string_view magic) {
+        return picture.size() >= magic.size() &&
+               std::memcmp(picture.data(), magic.data(), magic.size()) == 0;
+    };
+    return begins_with("\x89PNG") ? ".png" : begins_with("\xff\xd8") ? ".jpg" : ".tga";
+}
+
+/// The textures that materials name, as paths from the folder of the OBJ file.
+class TextureNames {
+public:
+    TextureNames(const Scene& scene, const std::filesystem::path& file)
+        : scene_(scene), file_(file), folder_(folder_of(file)), names_(scene.textures.size()) {}
+
+    /// A picture that is not in a file of this folder or below gets one beside the OBJ file.
+    const std::string& name(int texture) {
+        const auto index = static_cast<std::size_t>(texture);
+        std::string& name = names_[index];
+        if (!name.empty()) return name;
+        const Texture& of = scene_.textures[index];
+        if (!of.file.empty() && is_inside(folder_, of.file)) {
+            name = std::filesystem::relative(of.file, folder_).generic_string();
+        } else if (!of.file.empty()) {
+            const FileBytes bytes = read_file(of.file);
+            name = write(index, std::as_bytes(std::span(bytes.view())));
+        } else if (!of.encoded.empty()) {
+            name = write(index, of.encoded);
+        } else if (of.picture) {
+            const Bitmap& picture = *of.picture;
+            const auto* pixels = reinterpret_cast<const std::uint8_t*>(picture.pixels.data());
+            name = write(index, encode_png({pixels, 4 * picture.pixels.size()}, picture.width,
+                                           picture.height, PngChannels::rgba));
+        }
+        return name;
+    }
+
+private:
+    [[nodiscard]] std::string write(std::size_t index, std::span<const std::byte> bytes) const {
+        std::filesystem::path beside = file_;
+        beside.replace_extension();
+        beside += "-";
+        beside += std::to_string(index) + extension_of(bytes);
+        OutputFile out(beside);
+        out.write(bytes.data(), bytes.size());
+        out.commit();
+        return beside.filename().string();
+    }
+
+    const Scene& scene_;
+    const std::filesystem::path& file_;
+    std::filesystem::path folder_;
+    std::vector<std::string> names_;
+};
+
 void write_materials(const Scene& scene, const std::vector<std::string>& names,
                      const std::filesystem::path& file) {
     OutputFile out(file);
-    const std::filesystem::path folder = folder_of(file);
+    TextureNames textures(scene, file);
     const auto write_map = [&](const char* keyword, int texture) {
-        if (texture == Material::kNoTexture) return false;
-        const auto& picture = scene.textures[static_cast<std::size_t>(texture)].file;
-        if (picture.empty() || !is_inside(folder, picture)) return false;
-        const auto name = std::filesystem::relative(picture, folder);
-        out.write(std::string(keyword) + " " + name.generic_string() + "\n");
+        if (texture < 0 || static_cast<std::size_t>(texture) >= scene.textures.size()) return false;
+        const std::string& name = textures.name(texture);
+        if (name.empty()) return false;
+        out.write(std::string(keyword) + " " + name + "\n");
         return true;
     };
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {

@@ -67,7 +67,7 @@ private:
         vec3 albedo;
         vec3 emission;
         std::size_t sky_group;
-        std::size_t lamp_group;  // of the first lamp; the others follow
+        std::size_t lamp_group;  // of each lamp's queue
         int sky_rays = 0;
         int lamp_rays = 0;
     };
@@ -77,7 +77,7 @@ private:
         Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
             : normals(thread_normals),
               sky_queue(p.whole_dag_, p.settings_.ao_stop),
-              lamp_queue(p.whole_dag_, {0, 0.0f, 0.0f}) {
+              lamp_queues(p.lamps_.size(), RayQueue(p.whole_dag_, {0, 0.0f, 0.0f})) {
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
                     pixels.emplace_back(x, y);
@@ -99,7 +99,7 @@ private:
         std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
         RayQueue sky_queue;
-        RayQueue lamp_queue;
+        std::vector<RayQueue> lamp_queues;  // one for each lamp: its rays run close together
     };
 
     void trace_primary(Tile& tile, int i, float start) const {
@@ -145,7 +145,7 @@ private:
     void add_samples(Tile& tile, int i) const {
         tile.waiting.clear();
         tile.sky_queue.clear();
-        tile.lamp_queue.clear();
+        for (RayQueue& queue : tile.lamp_queues) queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
             if (tile.hits[k].face == shared::kFaceNone)
                 tile.sums[k] += options_.sky ? options_.sky->radiance(tile.rays[k].dir)
@@ -154,7 +154,7 @@ private:
                 send_rays(tile, k, i);
         }
         tile.sky_queue.trace();
-        tile.lamp_queue.trace();
+        for (RayQueue& queue : tile.lamp_queues) queue.trace();
         for (const Waiting& w : tile.waiting) tile.sums[w.pixel] += shade(w, tile);
     }
 
@@ -201,15 +201,14 @@ private:
             soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
         w.lamp_rays = some.y - some.x;
         for (std::size_t n = 0; n < lamps_.size(); ++n) {
-            const std::size_t group = tile.lamp_queue.begin_group();
-            if (n == 0) w.lamp_group = group;
+            RayQueue& queue = tile.lamp_queues[n];
+            w.lamp_group = queue.begin_group();
             const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
             const std::uint32_t rays_seed = shared::lamp_seed(seed, static_cast<int>(n));
             if (options_.shadows == Shadows::none)
-                add_unshadowed(lamp, some, rays_seed, tile.lamp_queue);
+                add_unshadowed(lamp, some, rays_seed, queue);
             else
-                queue_lamp_rays(dag_, lamp, some.x, some.y, rays_seed, options_.beam,
-                                tile.lamp_queue);
+                queue_lamp_rays(dag_, lamp, some.x, some.y, rays_seed, options_.beam, queue);
         }
         tile.waiting.push_back(w);
     }
@@ -249,7 +248,7 @@ private:
         for (std::size_t n = 0; n < lamps_.size(); ++n)
             light +=
                 lamps_[n].light().intensity *
-                (kPerPi * tile.lamp_queue.seen(w.lamp_group + n) / static_cast<float>(w.lamp_rays));
+                (kPerPi * tile.lamp_queues[n].seen(w.lamp_group) / static_cast<float>(w.lamp_rays));
         return w.albedo * light + w.emission;
     }
 

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include <png.h>
-
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "octavo/core/atomic_file.h"
 #include "octavo/core/error.h"
+#include "octavo/mesh/png.h"
 #include "octavo/render/image.h"
 #include "octavo/render/tone_map.h"
 
@@ -25,18 +22,7 @@ std::vector<std::uint8_t> screen_pixels(const Image& image, double exposure) {
 }
 
 std::vector<std::byte> encode_png(const Image& image, double exposure) {
-    const std::vector<std::uint8_t> pixels = screen_pixels(image, exposure);
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    std::vector<std::byte> encoded(size);
-    if (png_image_write_to_memory(&png, encoded.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
-        throw Error(Errc::limit, std::string("the picture cannot be encoded: ") + png.message);
-    encoded.resize(size);
-    return encoded;
+    return encode_png(screen_pixels(image, exposure), image.width, image.height, PngChannels::rgb);
 }
 
 void write_png(const std::filesystem::path& file, const Image& image, double exposure) {

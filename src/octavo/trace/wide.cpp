@@ -12,17 +12,16 @@
 #include <hwy/highway.h>
 
 #include "octavo/trace/wide_batch-inl.h"
+#include "octavo/trace/wide_sheaf-inl.h"
 #include "octavo/trace/wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
 
 /// Keeps some vectors of rays in flight, so that one computes while the others wait for memory.
-template <bool kCone, bool kPrefetch, std::size_t... kVectors, class Results>
+template <bool kCone, bool kPrefetch, std::size_t... kVectors, class Reader, class Results>
 HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::DagView dag,
-                          std::span<const shared::GridRay> rays, shared::Stop stop,
-                          Results& results) {
-    BatchReader reader(dag, rays, stop);
+                          Reader& reader, shared::Stop stop, Results& results) {
     std::array walks{((void)kVectors, Walk<kCone, kPrefetch>(dag, stop))...};
     while (true) {
         bool more = false;
@@ -32,13 +31,13 @@ HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::
     }
 }
 
-template <bool kCone, class Results>
-HWY_INLINE void walk_all(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
-                         shared::Stop stop, Results& results) {
+template <bool kCone, class Reader, class Results>
+HWY_INLINE void walk_all(shared::DagView dag, bool far_nodes, Reader& reader, shared::Stop stop,
+                         Results& results) {
     if (far_nodes)
-        walk_with<kCone, true>(std::make_index_sequence<4>(), dag, rays, stop, results);
+        walk_with<kCone, true>(std::make_index_sequence<4>(), dag, reader, stop, results);
     else
-        walk_with<kCone, false>(std::make_index_sequence<2>(), dag, rays, stop, results);
+        walk_with<kCone, false>(std::make_index_sequence<2>(), dag, reader, stop, results);
 }
 
 /// Marks the rays that hit something.
@@ -92,19 +91,74 @@ struct ClosestResults {
 void TraceClosest(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
                   shared::Stop stop, shared::GridHit* hits) {
     ClosestResults results{dag.depth, hits};
+    BatchReader reader(dag, rays, stop);
     if (stop.cone > 0.0f)
-        walk_all<true>(dag, far_nodes, rays, stop, results);
+        walk_all<true>(dag, far_nodes, reader, stop, results);
     else
-        walk_all<false>(dag, far_nodes, rays, stop, results);
+        walk_all<false>(dag, far_nodes, reader, stop, results);
 }
 
-void TraceAny(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
-              shared::Stop stop, std::uint8_t* occluded) {
+/// Each by itself, with no more in common than the smallest node that holds the starts.
+template <bool kCone>
+HWY_NOINLINE void trace_any_alone(shared::DagView dag, bool far_nodes,
+                                  std::span<const shared::GridRay> rays, shared::Stop stop,
+                                  std::uint8_t* occluded) {
     AnyResults results{occluded};
+    BatchReader reader(dag, rays, stop);
+    walk_all<kCone>(dag, far_nodes, reader, stop, results);
+}
+
+/// Marks the rays that hit something, and tells the reader.
+struct SheafResults {
+    SheafReader& reader;
+    std::uint8_t* occluded;
+
+    HWY_INLINE void add(const HitLanes& lanes) {
+        HWY_ALIGN std::int32_t ray[kLanes];
+        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, IntTag(), ray);
+        for (std::size_t i = 0; i < count; ++i) {
+            occluded[ray[i]] = 1;
+            reader.answer(ray[i]);
+        }
+    }
+};
+
+/// In sheaves where rays run close together, alone where they do not.
+void TraceAnyInSheaves(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
+                       shared::Stop stop, std::uint8_t* occluded) {
+    SheafReader reader(dag, stop);
+    SheafResults results{reader, occluded};
+    std::size_t alone = 0;  // the first ray that is in no sheaf and still to be traced
+    const auto trace_alone = [&](std::size_t end) {
+        if (alone < end)
+            trace_any_alone<false>(dag, far_nodes, rays.subspan(alone, end - alone), stop,
+                                   occluded + alone);
+    };
+    constexpr std::size_t kStretch = SheafReader::kGroups * kRaysPerBatch;
+    for (std::size_t first = 0; first < rays.size(); first += kStretch) {
+        const std::size_t end = std::min(first + kStretch, rays.size());
+        reader.begin(first);
+        for (std::size_t next = first; next < end; next += kRaysPerBatch) {
+            if (!reader.add(rays, (next - first) / kRaysPerBatch)) continue;
+            trace_alone(next);
+            alone = std::min(next + kRaysPerBatch, end);
+        }
+        walk_all<false>(dag, far_nodes, reader, stop, results);
+    }
+    trace_alone(rays.size());
+}
+
+/// @return  do the first rays run close together?
+bool TraceAny(shared::DagView dag, bool far_nodes, bool sheaves,
+              std::span<const shared::GridRay> rays, shared::Stop stop, std::uint8_t* occluded) {
+    const bool alike = SheafReader::run_alike(rays.first(std::min(kRaysPerBatch, rays.size())));
     if (stop.cone > 0.0f)
-        walk_all<true>(dag, far_nodes, rays, stop, results);
+        trace_any_alone<true>(dag, far_nodes, rays, stop, occluded);
+    else if (sheaves && alike && dag.depth > SheafReader::least_depth(stop))
+        TraceAnyInSheaves(dag, far_nodes, rays, stop, occluded);
     else
-        walk_all<false>(dag, far_nodes, rays, stop, results);
+        trace_any_alone<false>(dag, far_nodes, rays, stop, occluded);
+    return alike;
 }
 
 }  // namespace octavo::HWY_NAMESPACE
@@ -126,6 +180,17 @@ bool far_nodes(const Dag& dag, WideWalk walk) {
     return walk == WideWalk::by_size ? dag.size_bytes() > kNearBytes : walk == WideWalk::far_nodes;
 }
 
+/// Where space is crowded, shafts find nothing to cross. Words for each square of voxels of a face
+/// of the grid, at 4096^3: courtyard 0.2, scan 0.4, hairball 6.
+bool is_crowded(const Dag& dag) {
+    return dag.words().size() > 2 * (std::uint64_t{dag.resolution()} * dag.resolution());
+}
+
+/// Rays that meet nothing have to pass all cells of their shaft: where they are many, it costs more
+/// than it saves. The rays that this thread traced last are the nearest thing to know it by.
+constexpr double kMostlyOccluded = 0.7;
+thread_local bool last_were_occluded = true;
+
 }  // namespace
 
 HWY_EXPORT(TraceClosest);
@@ -145,7 +210,7 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded, WideWalk walk) noexcept {
+                    std::span<std::uint8_t> occluded, WideWalk walk, Sheaves sheaves) noexcept {
     const shared::DagView view = shared::view(dag);
     if (!fits_lanes(dag, stop)) {
         for (std::size_t i = 0; i < rays.size(); ++i)
@@ -153,8 +218,14 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
         return;
     }
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-    if (!dag.empty())
-        HWY_DYNAMIC_DISPATCH(TraceAny)(view, far_nodes(dag, walk), rays, stop, occluded.data());
+    if (dag.empty() || rays.empty()) return;
+    const bool try_sheaves = sheaves == Sheaves::always || (!is_crowded(dag) && last_were_occluded);
+    const bool alike = HWY_DYNAMIC_DISPATCH(TraceAny)(view, far_nodes(dag, walk), try_sheaves, rays,
+                                                      stop, occluded.data());
+    if (alike && sheaves == Sheaves::where_they_pay)
+        last_were_occluded =
+            static_cast<double>(std::count(occluded.begin(), occluded.end(), std::uint8_t{1})) >
+            kMostlyOccluded * static_cast<double>(rays.size());
 }
 
 }  // namespace octavo

@@ -34,8 +34,16 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
                         std::span<shared::GridHit> hits,
                         WideWalk walk = WideWalk::by_size) noexcept;
 
+/// Whether rays that run close together, as those of neighbouring pixels to a lamp do, share their
+/// way through empty space: docs/adr/0027-sheaves-of-shadow-rays.md. The same results.
+enum class Sheaves {
+    where_they_pay,  // where the last rays of this thread that ran close together were occluded
+    always,
+};
+
 /// @param occluded  as long as `rays`; 1 where the ray hits something, else 0
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded, WideWalk walk = WideWalk::by_size) noexcept;
+                    std::span<std::uint8_t> occluded, WideWalk walk = WideWalk::by_size,
+                    Sheaves sheaves = Sheaves::where_they_pay) noexcept;
 
 }  // namespace octavo

@@ -45,9 +45,64 @@ HWY_INLINE Floats plane_time(Ints plane, Ints cell, Floats frac, Floats inv_dir)
     return hn::Mul(hn::Sub(hn::ConvertTo(FloatTag(), hn::Sub(plane, cell)), frac), inv_dir);
 }
 
+/// A vector of rays, mirrored as by shared::mirror_ray() and clipped to the grid.
+struct RayLanes {
+    Ints cell[3];
+    Floats frac[3];
+    Floats inv_dir[3];
+    Floats low;  // the times in the grid
+    Floats high;
+    Ints down;         // a child number: the axes that are mirrored
+    FloatMask live;    // the others miss the grid
+    Floats origin[3];  // real, to float's precision
+    Floats dir[3];     // real
+};
+
+/// Rays first to first + count.
+HWY_INLINE RayLanes read_rays(shared::DagView dag, std::span<const shared::GridRay> rays,
+                              std::size_t first, std::size_t count) {
+    static_assert(sizeof(shared::GridRay) == 44 && offsetof(shared::GridRay, t_max) == 40);
+    constexpr int kRayWords = sizeof(shared::GridRay) / 4;
+    const FloatTag df;
+    const IntTag di;
+    const float* words = &rays[first].frac.x - 3;
+    const auto* whole = reinterpret_cast<const std::int32_t*>(&rays[first].cell.x);
+    const Ints lane = hn::Iota(di, 0);
+    const Ints at =
+        hn::Mul(hn::Min(lane, hn::Set(di, static_cast<int>(count) - 1)), hn::Set(di, kRayWords));
+
+    RayLanes r;
+    r.low = hn::GatherIndex(df, words + 9, at);
+    r.high = hn::GatherIndex(df, words + 10, at);
+    r.down = hn::Zero(di);
+    Floats entry[3], leave[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const Ints real = hn::GatherIndex(di, whole + axis, at);
+        const Floats part = hn::GatherIndex(df, words + 3 + axis, at);
+        const Floats dir = hn::GatherIndex(df, words + 6 + axis, at);
+        const FloatMask falls = hn::Lt(dir, hn::Zero(df));
+        const IntMask falls_int = hn::RebindMask(di, falls);
+        const Ints side = hn::Set(di, 1 << dag.depth);
+        r.cell[axis] = hn::IfThenElse(falls_int, hn::Sub(side, real), real);
+        r.frac[axis] = hn::IfThenElse(falls, hn::Neg(part), part);
+        r.inv_dir[axis] = hn::Div(hn::Set(df, 1.0f), hn::Max(hn::Abs(dir), hn::Set(df, 1e-20f)));
+        r.down = hn::Or(r.down, hn::IfThenElseZero(falls_int, hn::Set(di, 1 << axis)));
+        entry[axis] = plane_time(hn::Zero(di), r.cell[axis], r.frac[axis], r.inv_dir[axis]);
+        leave[axis] = plane_time(side, r.cell[axis], r.frac[axis], r.inv_dir[axis]);
+        r.origin[axis] = hn::Add(hn::ConvertTo(df, real), part);
+        r.dir[axis] = dir;
+    }
+    // Where one is not a number, Max and Min give their second: the ray then misses.
+    r.low = hn::Max(max3(entry[0], entry[1], entry[2]), r.low);
+    r.high = hn::Min(min3(leave[0], leave[1], leave[2]), r.high);
+    r.live = hn::And(hn::Lt(r.low, r.high), hn::FirstN(df, count));
+    return r;
+}
+
 /// An array for each number, and room for a vector after the last.
 struct Batch {
     static constexpr std::size_t kSize = kRaysPerBatch + kLanes;
+    static constexpr bool kStaysInCell = false;
 
     HWY_ALIGN std::int32_t cell[3][kSize];
     HWY_ALIGN float frac[3][kSize];
@@ -87,9 +142,6 @@ public:
     [[nodiscard]] const Batch& batch() const { return batch_; }
 
 private:
-    static constexpr int kRayWords = sizeof(shared::GridRay) / 4;
-    static_assert(sizeof(shared::GridRay) == 44 && offsetof(shared::GridRay, t_max) == 40);
-
     void read_batch() {
         const std::size_t count = std::min(kRaysPerBatch, rays_.size() - next_ray_);
         batch_.count = 0;
@@ -103,47 +155,19 @@ private:
     void read_vector(std::size_t first, std::size_t count) {
         const FloatTag df;
         const IntTag di;
-        const float* words = &rays_[first].frac.x - 3;
-        const auto* whole = reinterpret_cast<const std::int32_t*>(&rays_[first].cell.x);
-        const Ints lane = hn::Iota(di, 0);
-        const Ints at = hn::Mul(hn::Min(lane, hn::Set(di, static_cast<int>(count) - 1)),
-                                hn::Set(di, kRayWords));
-
-        Floats low = hn::GatherIndex(df, words + 9, at);
-        Floats high = hn::GatherIndex(df, words + 10, at);
-        Ints down = hn::Zero(di);
-        Ints cell[3];
-        Floats frac[3], inv_dir[3], entry[3], leave[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const Ints real = hn::GatherIndex(di, whole + axis, at);
-            const Floats part = hn::GatherIndex(df, words + 3 + axis, at);
-            const Floats dir = hn::GatherIndex(df, words + 6 + axis, at);
-            const FloatMask falls = hn::Lt(dir, hn::Zero(df));
-            const IntMask falls_int = hn::RebindMask(di, falls);
-            const Ints side = hn::Set(di, 1 << dag_.depth);
-            cell[axis] = hn::IfThenElse(falls_int, hn::Sub(side, real), real);
-            frac[axis] = hn::IfThenElse(falls, hn::Neg(part), part);
-            inv_dir[axis] = hn::Div(hn::Set(df, 1.0f), hn::Max(hn::Abs(dir), hn::Set(df, 1e-20f)));
-            down = hn::Or(down, hn::IfThenElseZero(falls_int, hn::Set(di, 1 << axis)));
-            entry[axis] = plane_time(hn::Zero(di), cell[axis], frac[axis], inv_dir[axis]);
-            leave[axis] = plane_time(side, cell[axis], frac[axis], inv_dir[axis]);
-        }
-        // Where one is not a number, Max and Min give their second: the ray then misses.
-        low = hn::Max(max3(entry[0], entry[1], entry[2]), low);
-        high = hn::Min(min3(leave[0], leave[1], leave[2]), high);
-
-        const FloatMask live = hn::And(hn::Lt(low, high), hn::FirstN(df, count));
+        const RayLanes rays = read_rays(dag_, rays_, first, count);
+        const FloatMask live = rays.live;
         const IntMask live_int = hn::RebindMask(di, live);
         const std::size_t n = batch_.count;
         for (int axis = 0; axis < 3; ++axis) {
-            hn::CompressStore(cell[axis], live_int, di, batch_.cell[axis] + n);
-            hn::CompressStore(frac[axis], live, df, batch_.frac[axis] + n);
-            hn::CompressStore(inv_dir[axis], live, df, batch_.inv_dir[axis] + n);
+            hn::CompressStore(rays.cell[axis], live_int, di, batch_.cell[axis] + n);
+            hn::CompressStore(rays.frac[axis], live, df, batch_.frac[axis] + n);
+            hn::CompressStore(rays.inv_dir[axis], live, df, batch_.inv_dir[axis] + n);
         }
-        hn::CompressStore(low, live, df, batch_.t + n);
-        hn::CompressStore(high, live, df, batch_.t_end + n);
-        hn::CompressStore(down, live_int, di, batch_.down + n);
-        const Ints ray = hn::Add(lane, hn::Set(di, static_cast<int>(first)));
+        hn::CompressStore(rays.low, live, df, batch_.t + n);
+        hn::CompressStore(rays.high, live, df, batch_.t_end + n);
+        hn::CompressStore(rays.down, live_int, di, batch_.down + n);
+        const Ints ray = hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<int>(first)));
         batch_.count = n + hn::CompressStore(ray, live_int, di, batch_.ray + n);
     }
 

@@ -63,7 +63,8 @@ public:
     [[nodiscard]] bool idle() const { return count_live_ == 0; }
 
     /// Gives new rays to lanes that have finished, if enough have. @return whether it took any
-    HWY_INLINE bool refill(BatchReader& reader) {
+    template <class Reader>
+    HWY_INLINE bool refill(Reader& reader) {
         if (count_live_ > kLanes - std::max<std::size_t>(1, kLanes / 4)) return false;
         const std::size_t count = std::min(reader.available(), kLanes - count_live_);
         if (count == 0) return false;
@@ -228,7 +229,8 @@ private:
     }
 
     /// Rays first to first + count of the batch go to as many free lanes.
-    HWY_NOINLINE void load(const Batch& batch, std::size_t first, std::size_t count) {
+    template <class SomeBatch>
+    HWY_NOINLINE void load(const SomeBatch& batch, std::size_t first, std::size_t count) {
         const IntTag di;
         // As many free lanes as there are rays, and the number of each among them.
         const std::uint32_t all = free_lanes();
@@ -283,9 +285,15 @@ private:
             prefetch_node();
         else
             low_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), low_);
-        for (int height = batch.top; height <= depth_; ++height)
-            hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
-                             stack_ + static_cast<std::size_t>(height) * kLanes);
+        if constexpr (SomeBatch::kStaysInCell) {
+            const Ints least = hn::Set(di, 2);
+            const Ints above = hn::Add(height_, hn::Set(di, 1));
+            hn::ScatterIndex(node_, di, stack_, stack_place(hn::Max(above, least)));
+        } else {
+            for (int height = batch.top; height <= depth_; ++height)
+                hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
+                                 stack_ + static_cast<std::size_t>(height) * kLanes);
+        }
         live_ = hn::Or(live_, hn::VecFromMask(di, take));
         count_live_ += count;
     }
