@@ -15,9 +15,8 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT CMAKE_CXX_FLAGS MATCHES
     target_compile_options(octavo_compile_options INTERFACE -march=x86-64-v2)
 endif()
 
-# Against what a fault in memory could be used for. Links only are free; the rest costs a rebuild of
-# everything and has not been measured, so it is asked for.
-option(OCTAVO_HARDEN "Also compile with stack protector and checked C functions" OFF)
+# Against what a fault in memory could be used for.
+option(OCTAVO_HARDEN "Compile releases with stack protector and checked C functions" ON)
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT OCTAVO_SANITIZE AND NOT APPLE)
     target_link_options(octavo_compile_options INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
     if(OCTAVO_HARDEN)
