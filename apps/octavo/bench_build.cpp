@@ -9,6 +9,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -77,9 +78,9 @@ BuildRow measure(const Scene& scene, const BuildOptions& options, int repeat) {
     restart_peak_resident();
     for (int run = 0; run < repeat; ++run) {
         const auto start = std::chrono::steady_clock::now();
-        const BuildResult result = build(scene, options);
+        BuildResult result = build(scene, options);
         row.seconds.push_back(seconds_since(start));
-        if (run == 0) row.statistics = compute_statistics(result.dag);
+        row.statistics = std::move(result.statistics);
     }
     row.peak_bytes = peak_resident_bytes();
     std::sort(row.seconds.begin(), row.seconds.end());

@@ -201,7 +201,9 @@ private:
             return like;
 #endif
         }
-        [[nodiscard]] bool full() const { return tags[kSize - 1] != 0; }
+        [[nodiscard]] bool full() const {
+            return tags[kSize - 1] != 0;
+        }
         /// Not where it is full.
         void put(std::uint32_t id, std::uint8_t tag) {
             const auto at = static_cast<unsigned>(std::countr_zero(with_tag(0)));
