@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "../apps/octavo/arguments.h"
 
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "harness.h"
+#include "promise.h"
 
 namespace octavo::fuzz {
 namespace {
-
-void require(bool condition, const char* promise) {
-    if (condition) return;
-    std::fprintf(stderr, "broken: %s\n", promise);
-    std::abort();
-}
 
 /// Parses, and checks what comes out; an Error must be one about the argument.
 template <typename Parse, typename Check>
@@ -25,10 +17,6 @@ void try_parse(const std::string& text, const Parse& parse, const Check& check) 
     } catch (const Error& error) {
         require(error.code() == Errc::bad_argument, "a bad argument is a bad argument");
     }
-}
-
-bool finite(const dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 }  // namespace

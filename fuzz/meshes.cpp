@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Any bytes give a scene whose parts fit together, and which can be built, or an Error.
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
-#include "harness.h"
+#include "folder.h"
 #include "octavo/construct/build.h"
 #include "octavo/mesh/load.h"
+#include "promise.h"
 
 namespace octavo::fuzz {
 namespace {
@@ -19,36 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t{64} << 20;
-
-void require(bool condition, const char* promise) {
-    if (condition) return;
-    std::fprintf(stderr, "broken: %s\n", promise);
-    std::abort();
-}
-
-/// A folder of this process, in memory where there is such a place.
-const fs::path& folder() {
-    static const fs::path kFolder = [] {
-        std::string pattern = (fs::exists("/dev/shm") ? std::string("/dev/shm")
-                                                      : fs::temp_directory_path().string()) +
-                              "/octavo-fuzz-XXXXXX";
-        require(mkdtemp(pattern.data()) != nullptr, "a folder for the test itself");
-        std::atexit([] {
-            std::error_code ignored;
-            fs::remove_all(folder(), ignored);
-        });
-        return fs::canonical(pattern);
-    }();
-    return kFolder;
-}
-
-fs::path put(const std::string& name, Bytes bytes) {
-    const fs::path file = folder() / name;
-    std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-    return file;
-}
 
 void check_and_build(const Scene& scene) {
     const std::size_t vertices = scene.positions.size();
@@ -82,8 +49,7 @@ void load(const fs::path& file, double max_seconds = 20.0) {
     try {
         check_and_build(load_scene(file, {.max_bytes = kMaxBytes, .max_seconds = max_seconds}));
     } catch (const Error& error) {
-        require(error.code() != Errc::cancelled, "nobody has stopped it");
-        require(std::string(error.what()).find('\n') == std::string::npos, "a message is one line");
+        require_one_line(error);
     }
 }
 

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: MIT
 // What the reader accepts must bear everything that one can do with it.
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
-#include "harness.h"
+#include "folder.h"
 #include "octavo/io/octv.h"
 #include "octavo/io/validate.h"
 #include "octavo/light/light_cells.h"
@@ -20,34 +13,10 @@
 #include "octavo/render/render_lit.h"
 #include "octavo/trace/dag_view.h"
 #include "octavo/trace/trace.h"
+#include "promise.h"
 
 namespace octavo::fuzz {
 namespace {
-
-void require(bool condition, const char* promise) {
-    if (condition) return;
-    std::fprintf(stderr, "broken: %s\n", promise);
-    std::abort();
-}
-
-/// A file in memory that has a name, as the readers want one.
-class NamedBytes {
-public:
-    explicit NamedBytes(Bytes bytes) : descriptor_(memfd_create("octavo", 0)) {
-        require(descriptor_ >= 0 && write(descriptor_, bytes.data(), bytes.size()) ==
-                                        static_cast<ssize_t>(bytes.size()),
-                "memory for the test itself");
-    }
-    ~NamedBytes() { close(descriptor_); }
-    NamedBytes(const NamedBytes&) = delete;
-    NamedBytes& operator=(const NamedBytes&) = delete;
-    [[nodiscard]] std::filesystem::path path() const {
-        return "/proc/self/fd/" + std::to_string(descriptor_);
-    }
-
-private:
-    int descriptor_;
-};
 
 /// A ray crosses at most 3 N planes and goes down, and up again, at most the depth for each.
 void trace_with_bound(const Dag& dag, const dvec3& origin, const dvec3& direction) {
@@ -104,10 +73,6 @@ void render_small(const Model& model) {
     }
 }
 
-bool finite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 /// Every way of asking for the looks of cells: of all of them where they are few.
 void look_up_attributes(const Model& model) {
     const Attributes& attributes = model.attributes;
@@ -116,8 +81,8 @@ void look_up_attributes(const Model& model) {
     for (std::uint64_t i = 0; i < count; i += 1 + i / 300) {
         for (const vec3& from : {vec3(0.0f), towards, -towards}) {
             (void)attributes.color(i, from);
-            require(finite(attributes.emission(i, from)), "emission is finite");
-            require(finite(attributes.normal(i, from)), "normals are finite");
+            require(finite(dvec3(attributes.emission(i, from))), "emission is finite");
+            require(finite(dvec3(attributes.normal(i, from))), "normals are finite");
         }
         const uvec3 cell = attributes.cells().cell(i);
         require(attributes.cells().find(cell) == i, "a cell has the number of its place");
@@ -130,7 +95,7 @@ void look_up_attributes(const Model& model) {
             (void)attributes.normal(path, level, towards);
         }
         for (int d = 0; d < 6 && !model.light.empty(); ++d)
-            require(finite(model.light.get(i, d)), "light is finite");
+            require(finite(dvec3(model.light.get(i, d))), "light is finite");
     }
 }
 
@@ -167,11 +132,10 @@ void render_looks(const Model& model) {
 }  // namespace
 
 void run_octv(Bytes bytes) {
-    const NamedBytes file(bytes);
+    const std::filesystem::path file = put("a.octv", bytes);
     const std::uint64_t limit = std::uint64_t{1} << 26;
-    const Validation validation =
-        validate_octv(file.path(), {.strict = true, .max_dag_bytes = limit});
-    const Validation lenient = validate_octv(file.path(), {.max_dag_bytes = limit});
+    const Validation validation = validate_octv(file, {.strict = true, .max_dag_bytes = limit});
+    const Validation lenient = validate_octv(file, {.max_dag_bytes = limit});
     require(!validation.valid() || lenient.valid(), "strict is stricter");
     // The first of the two takes the slow check, the second the quick one.
     static constexpr std::array<std::string_view, 6> kHarmless = {
@@ -189,7 +153,7 @@ void run_octv(Bytes bytes) {
     Model model;
     bool accepted = true;
     try {
-        model = read_octv(file.path(), {.max_dag_bytes = limit});
+        model = read_octv(file, {.max_dag_bytes = limit});
     } catch (const Error& error) {
         require(error.code() == Errc::bad_input || error.code() == Errc::unsupported ||
                     error.code() == Errc::limit,

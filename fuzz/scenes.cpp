@@ -2,57 +2,21 @@
 // Scene files, camera paths, lights and skies: what is taken can be drawn.
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "../apps/octavo/camera_path.h"
 #include "../apps/octavo/light_arguments.h"
 #include "../apps/octavo/lit_arguments.h"
-#include "harness.h"
+#include "folder.h"
 #include "octavo/render/render_lit.h"
+#include "promise.h"
 
 namespace octavo::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-void require(bool condition, const char* promise) {
-    if (condition) return;
-    std::fprintf(stderr, "broken: %s\n", promise);
-    std::abort();
-}
-
-void write(const fs::path& file, Bytes bytes) {
-    std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-}
-
-/// A folder of this process with two models in it, which scene files name a.octv and b.octv.
-const fs::path& folder() {
-    static const fs::path kFolder = [] {
-        std::string pattern = (fs::exists("/dev/shm") ? std::string("/dev/shm")
-                                                      : fs::temp_directory_path().string()) +
-                              "/octavo-fuzz-XXXXXX";
-        require(mkdtemp(pattern.data()) != nullptr, "a folder for the test itself");
-        std::atexit([] {
-            std::error_code ignored;
-            fs::remove_all(folder(), ignored);
-        });
-        write(fs::path(pattern) / "a.octv", full_octv(4, 2));
-        write(fs::path(pattern) / "b.octv", random_octv(3, true));
-        return fs::path(pattern);
-    }();
-    return kFolder;
-}
-
-bool finite(const dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 void draw(const LitScene& scene, const std::optional<Camera>& camera) {
     RenderOptions options;
@@ -68,21 +32,21 @@ void draw(const LitScene& scene, const std::optional<Camera>& camera) {
     }
 }
 
-void check_bad_input(const Error& error) {
-    require(error.code() != Errc::cancelled, "nobody has stopped it");
-    require(std::string(error.what()).find('\n') == std::string::npos, "a message is one line");
-}
-
 }  // namespace
 
 void run_scene(Bytes bytes) {
-    const fs::path file = folder() / "scene.json";
-    write(file, bytes);
+    static const bool kModelsAreThere = [] {
+        put("a.octv", full_octv(4, 2));
+        put("b.octv", random_octv(3, true));
+        return true;
+    }();
+    require(kModelsAreThere, "models for the test itself");
+    const fs::path file = put("scene.json", bytes);
     cli::SceneFile scene;
     try {
         scene = cli::read_scene_file(file);
     } catch (const Error& error) {
-        check_bad_input(error);
+        require_one_line(error);
         return;
     }
     require(!scene.scene.objects.empty() && scene.scene.objects.size() == scene.models.size(),
@@ -105,8 +69,7 @@ void run_scene(Bytes bytes) {
 }
 
 void run_path(Bytes bytes) {
-    const fs::path file = folder() / "path.json";
-    write(file, bytes);
+    const fs::path file = put("path.json", bytes);
     try {
         const cli::CameraPath path = cli::read_camera_path(file);
         require(path.frames >= 1 && path.frames <= 100000, "frames are in range");
@@ -117,7 +80,7 @@ void run_path(Bytes bytes) {
         }
     } catch (const Error& error) {
         require(error.code() == Errc::bad_input, "a bad path is bad input");
-        check_bad_input(error);
+        require_one_line(error);
     }
 }
 
@@ -152,8 +115,7 @@ void run_lights(Bytes bytes) {
 
 void run_sky_image(Bytes bytes) {
     const bool exr = bytes.size() >= 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0;
-    const fs::path file = folder() / (exr ? "a.exr" : "a.hdr");
-    write(file, bytes);
+    const fs::path file = put(exr ? "a.exr" : "a.hdr", bytes);
     try {
         const SkyImage image = load_sky_image(file);
         require(image.color.size() ==

@@ -2,35 +2,32 @@
 //
 // The page: one scene, where the viewer stands, what is asked for, and who draws it.
 import { type Config, readConfig, takeInlineScene } from './config';
-import { Engine, type Plan } from './gl/engine';
-import { Renderer, type Shot } from './gl/renderer';
+import { GpuPainter } from './gpu_painter';
 import type { CellLayout } from './octv/cells';
 import type { CellBox } from './octv/content_bounds';
 import type { FaultKind } from './octv/errors';
 import type { Metadata } from './octv/metadata';
-import { levelsThatFit } from './octv/reader';
 import type { Origin, Report } from './octv/worker';
+import type { Painter, View } from './painter';
 import { RemotePainter } from './remote_painter';
 import { type Scene, hasStoredLight, openLevel, sceneFacts } from './scene';
 import { SceneLoader } from './scene_loader';
+import { Address } from './ui/address';
 import { bindButtons, bindDropping, download, togglePanel } from './ui/buttons';
 import { byId, fillFacts } from './ui/dom';
 import { faultNotice, hideLoading, hideNotice, notice, showLoading, toast } from './ui/messages';
 import { megabytes, rounded } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
-import { engineFacts, painterFacts } from './ui/statistics';
 import { startTheme } from './ui/theme';
 import { type FoundCell, centreOf, voxelFacts } from './ui/voxel_facts';
-import { type Axes, type Camera, axesOf, cameraUniforms, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
+import { type Axes, type Camera, type Frame, axesOf, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { kAllLights, kViewersSun, storedLight, storedSun, usableLights } from './view/lights';
 import { linkOf, readLink } from './view/link';
 import { type Settings, kDefaults, kModes } from './view/settings';
-import { LampPlacer, shotOf, wishOf } from './view/shot';
 import { type Vec3, add, length, scale, sub } from './view/vec';
 
 const kMebi = 1024 * 1024;
-const kLinkDelay = 300; // milliseconds
 
 export class App {
     private readonly canvas = byId<HTMLCanvasElement>('picture');
@@ -42,13 +39,11 @@ export class App {
     private scene: Scene | undefined;
     private loader: SceneLoader | undefined;
     private opened: { name: string; origin: Origin } | undefined;
-    private renderer: Renderer | undefined;
-    private engine: Engine | undefined;
     private config: Config | undefined;
-    private painter: RemotePainter | undefined; // draws instead of this machine's GPU
-    private readonly lamps = new LampPlacer();
+    private painter: Painter | undefined;
+    private gpu: GpuPainter | undefined; // the painter, where this machine draws and needs the scene
     private pendingCells: CellLayout | undefined;
-    private linkTimer = 0;
+    private readonly address = new Address(() => linkOf(this.camera, this.settings, this.base));
     private shownStatistics = 0;
 
     constructor() {
@@ -72,8 +67,8 @@ export class App {
         const open = (name: string, blob: Blob): void => this.open(name, { blob });
         bindButtons({
             frameAll: () => this.frameAll(),
-            savePicture: () => this.savePicture(),
-            copyLink: () => void this.copyLink(),
+            savePicture: () => void this.savePicture(),
+            copyLink: () => void this.address.copy(),
             open,
             chooseMode: (index) => this.chooseMode(index),
         });
@@ -84,16 +79,14 @@ export class App {
         this.resize();
         this.config = readConfig();
         if (this.config?.render) {
-            this.startPainter(this.config.render);
+            this.startRemotePainter(this.config.render);
         } else {
             bindDropping(open); // another machine has its own file
-            this.startGraphics();
+            this.startGpuPainter();
         }
         this.panel.offer(this.offers());
         this.openConfigured();
     }
-
-    // ---- the scene ----
 
     private openConfigured(): void {
         const { config } = this;
@@ -128,8 +121,8 @@ export class App {
         const { name, origin } = this.opened!;
         this.canvas.dataset.state = 'drawing'; // what is shown is not what was asked for any more
         if (this.scene) this.scene.done = false;
-        this.renderer?.dropCells();
-        this.loader = new SceneLoader(origin, this.painter ? 0 : this.settings.memory * kMebi, (report) => this.hear(name, origin, report));
+        this.gpu?.dropCells();
+        this.loader = new SceneLoader(origin, this.gpu ? this.settings.memory * kMebi : 0, (report) => this.hear(name, origin, report));
     }
 
     private hear(name: string, origin: Origin, report: Report): void {
@@ -145,7 +138,7 @@ export class App {
                 this.showProgress();
                 return;
             case 'words':
-                this.renderer?.words?.append(report.words);
+                this.gpu?.append(report.words);
                 return;
             case 'level':
                 scene!.loadedLevels = report.level + 1;
@@ -156,14 +149,14 @@ export class App {
                 this.learnBounds(report.box);
                 return;
             case 'cells':
-                this.pendingCells = this.renderer?.reserveCells(report.layout) ? report.layout : undefined;
+                this.pendingCells = this.gpu?.reserveCells(report.layout) ? report.layout : undefined;
                 if (!this.pendingCells) toast('This GPU has no room for the colours', 8000);
                 return;
             case 'cellWords':
-                this.renderer?.appendCells(report.words);
+                this.gpu?.appendCells(report.words);
                 return;
             case 'cellsReady':
-                this.renderer?.showCells();
+                this.gpu?.showCells();
                 scene!.cells = this.pendingCells;
                 this.panel.offer(this.offers());
                 this.redraw();
@@ -182,14 +175,14 @@ export class App {
     private begin(name: string, origin: Origin, metadata: Metadata, fileBytes: number): void {
         const same = this.scene !== undefined;
         const { depth } = metadata.grid;
-        const levelsWanted = this.reserve(metadata);
+        const levelsWanted = this.gpu ? this.gpu.reserve(metadata, this.settings.memory * kMebi) : depth - 1;
         const box = same ? this.scene!.box : undefined;
         this.scene = { name, origin, metadata, fileBytes, loadedBytes: 0, loadedLevels: 0, levelsWanted, box, cells: undefined, done: false };
         byId('scene-size').textContent = `${2 ** depth}³`;
         if (!same) {
             const light = storedLight(metadata);
             // Smoothing takes a GPU; without one faces are quick, and the control is there.
-            const smooth = kDefaults.smooth && !this.renderer?.software;
+            const smooth = kDefaults.smooth && !this.gpu?.software;
             const stored = metadata.storedLight !== undefined;
             this.base = { ...kDefaults, ...storedSun(metadata, light, this.axes), light, smooth, stored, finestLevel: depth };
             const link = readLink(location.hash);
@@ -198,24 +191,17 @@ export class App {
             this.cameraIsOurs = !link.camera;
             if (!link.camera && metadata.words === 0) this.learnBounds(undefined);
         }
-        if (this.painter) {
-            this.scene.box = this.config!.render!;
+        const drawnElsewhere = this.config?.render;
+        if (drawnElsewhere) {
+            this.scene.box = drawnElsewhere;
             if (this.cameraIsOurs) this.placeCamera();
         }
         this.panel.show(this.settings);
         this.panel.offer(this.offers());
-        if (this.painter && this.cameraIsOurs && metadata.cameras.length > 0) this.panel.showCamera(0);
-        if (!this.painter && metadata.words > 0 && levelsWanted === 0) {
+        if (drawnElsewhere && this.cameraIsOurs && metadata.cameras.length > 0) this.panel.showCamera(0);
+        if (this.gpu && metadata.words > 0 && levelsWanted === 0) {
             this.fault('limit', `Not even the first level of the scene fits in ${rounded(this.settings.memory)} MB.`);
         }
-    }
-
-    /** Takes room for as many levels as fit. @returns their number */
-    private reserve(metadata: Metadata): number {
-        let levels = levelsThatFit(metadata, this.settings.memory * kMebi);
-        const words = (count: number): number => metadata.levels.slice(0, count).reduce((sum, level) => sum + level.words, 0);
-        while (levels > 0 && this.renderer && !this.renderer.reserve(words(levels))) levels -= 1;
-        return levels;
     }
 
     private learnBounds(cells: CellBox | undefined): void {
@@ -234,7 +220,7 @@ export class App {
     private placeCamera(): void {
         const { metadata, box } = this.scene!;
         const stored = metadata.cameras[0];
-        this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.aspect);
+        this.camera = stored ? fromStored(stored, this.axes, box!) : defaultCamera(box!, this.axes, this.frame);
         if (stored) this.panel.showCamera(0);
         const link = readLink(location.hash).settings;
         if (link.sunAzimuth === undefined && this.settings.light === kViewersSun) {
@@ -264,64 +250,45 @@ export class App {
         faultNotice(kind, message, this.scene !== undefined && this.scene.loadedLevels > 0);
     }
 
-    // ---- the picture ----
-
-    private startGraphics(): void {
-        const gl = this.canvas.getContext('webgl2', { alpha: false, antialias: false, depth: false, powerPreference: 'high-performance' });
-        if (!gl) {
-            notice(
-                'This browser has no WebGL 2',
-                'The viewer draws with WebGL 2, which this browser lacks or has turned off.',
-                'Update the browser or its graphics driver, turn hardware acceleration on, or run octavo view --render-here.',
-            );
-            return;
-        }
-        this.makeRenderer(gl);
-        this.canvas.addEventListener('webglcontextlost', (event) => {
-            event.preventDefault();
-            this.loader?.cancel();
-            this.engine?.stop();
-            this.engine = this.renderer = undefined;
-            this.canvas.dataset.state = 'drawing';
-            toast('The GPU was reset; the scene is loaded again', 5000);
+    private startGpuPainter(): void {
+        this.painter = this.gpu = GpuPainter.make(this.canvas, {
+            drawn: () => this.showStatistics(),
+            lost: () => {
+                this.loader?.cancel();
+                this.canvas.dataset.state = 'drawing';
+                toast('The GPU was reset; the scene is loaded again', 5000);
+            },
+            restored: () => {
+                if (this.opened) this.load();
+            },
         });
-        this.canvas.addEventListener('webglcontextrestored', () => {
-            this.makeRenderer(gl);
-            if (this.opened) this.load();
-        });
+        if (this.gpu) return;
+        notice(
+            'This browser has no WebGL 2',
+            'The viewer draws with WebGL 2, which this browser lacks or has turned off.',
+            'Update the browser or its graphics driver, turn hardware acceleration on, or run octavo view --render-here.',
+        );
     }
 
-    private startPainter(render: NonNullable<Config['render']>): void {
+    private startRemotePainter(render: NonNullable<Config['render']>): void {
         const here = (path: string): string => new URL(path, location.href).href;
         const image = byId<HTMLImageElement>('remote');
         image.hidden = false;
         byId('open-file').hidden = true;
-        this.painter = new RemotePainter(image, here(render.url), here(render.pick), () => this.showStatistics(), (message) => this.fault('unreachable', message));
+        const fault = (message: string): void => this.fault('unreachable', message);
+        this.painter = new RemotePainter(image, this.canvas, here(render.url), here(render.pick), () => this.showStatistics(), fault);
     }
 
-    private makeRenderer(gl: WebGL2RenderingContext): void {
-        this.renderer = new Renderer(gl);
-        this.engine = new Engine(gl, this.renderer, () => this.showStatistics());
+    /** What is to be seen, when that is known. */
+    private get view(): View | undefined {
+        const { scene, camera, settings, axes } = this;
+        return scene?.box && camera ? { scene, camera, settings, axes } : undefined;
     }
 
     private redraw(): void {
-        const { scene, camera, engine } = this;
+        const { view } = this;
         this.canvas.dataset.state = 'drawing';
-        if (!scene?.box || !camera) return;
-        if (this.painter) return this.painter.ask(wishOf(scene, camera, this.settings, this.axes, this.canvas));
-        if (!engine) return;
-        engine.change({
-            shot: this.shot(scene, camera),
-            exposure: this.settings.exposure,
-            toneMapped: this.settings.mode === 'shaded',
-            restScale: this.settings.scale / 100,
-            samples: this.settings.samples,
-        } satisfies Plan);
-    }
-
-    private shot(scene: Scene, camera: Camera): Shot {
-        const lamps = this.lamps.place(scene, this.settings, this.axes);
-        return shotOf(scene, camera, this.settings, this.axes, lamps, this.canvas);
+        if (view) this.painter?.show(view);
     }
 
     private resize(): void {
@@ -333,16 +300,15 @@ export class App {
         this.canvas.height = height;
         if (this.scene?.box && this.cameraIsOurs) this.placeCamera();
         this.redraw();
-        this.engine?.presentNow();
+        this.painter?.fill();
     }
-
-    // ---- where the viewer stands ----
 
     private get axes(): Axes {
         return axesOf(this.settings.up);
     }
-    private get aspect(): number {
-        return this.canvas.width / this.canvas.height;
+    private get frame(): Frame {
+        const aspect = this.canvas.width / this.canvas.height;
+        return { aspect, clear: this.panel.clearOf(this.canvas.getBoundingClientRect()) };
     }
     private get sceneSize(): number {
         return this.scene?.box ? diagonalOf(this.scene.box) : 1;
@@ -354,14 +320,14 @@ export class App {
         this.cameraIsOurs = false;
         this.panel.showFreeCamera();
         this.redraw();
-        this.rememberLink();
+        this.address.follow();
     }
 
     private frameAll(): void {
         const box = this.scene?.box;
         if (!box || !this.camera) return;
         const towardsEye = scale(-1, forwardOf(this.camera, this.axes));
-        this.moveTo(framing(box, this.axes, this.aspect, towardsEye, this.camera.verticalFov));
+        this.moveTo(framing(box, this.axes, this.frame, towardsEye, this.camera.verticalFov));
     }
 
     private chooseCamera(index: number): void {
@@ -381,7 +347,7 @@ export class App {
         }
         this.settings = settings;
         if (before.up !== settings.up && this.scene?.box) {
-            this.camera = defaultCamera(this.scene.box, this.axes, this.aspect);
+            this.camera = defaultCamera(this.scene.box, this.axes, this.frame);
             this.cameraIsOurs = false;
         }
         if (before.memory !== settings.memory && this.opened) {
@@ -389,9 +355,14 @@ export class App {
             this.load();
         }
         if (before.light !== settings.light) this.panel.offer(this.offers());
-        if (this.engine && onlyLook(before, settings)) this.engine.changeLook(settings.exposure, settings.mode === 'shaded');
-        else this.redraw();
-        this.rememberLink();
+        const { view } = this;
+        if (view && onlyLook(before, settings)) {
+            this.painter?.showAgain(view);
+            this.showStatistics();
+        } else {
+            this.redraw();
+        }
+        this.address.follow();
     }
 
     private offers(): Offers {
@@ -399,32 +370,21 @@ export class App {
         const usable = metadata ? usableLights(metadata) : [];
         const chosen = usable.includes(this.settings.light) ? metadata!.lights[this.settings.light] : undefined;
         return {
-            modes: this.painter ? ['shaded'] : kModes.filter((mode) => mode !== 'color' || this.scene?.cells !== undefined),
+            modes: this.config?.render ? ['shaded'] : kModes.filter((mode) => mode !== 'color' || this.scene?.cells !== undefined),
             cameras: metadata?.cameras.map((camera, i) => camera.name || `Camera ${i + 1}`) ?? [],
             lights: usable.map((number) => ({ number, name: metadata!.lights[number]!.name || `Light ${number + 1}` })),
             depth: metadata?.grid.depth ?? 17,
             sceneDiagonal: this.scene?.box ? diagonalOf(this.scene.box) : 0,
-            storedLight: this.scene !== undefined && (this.painter ? metadata!.storedLight !== undefined : hasStoredLight(this.scene)),
+            storedLight: this.scene !== undefined && (this.gpu ? hasStoredLight(this.scene) : metadata!.storedLight !== undefined),
             sunLight: this.settings.light !== kAllLights && (!chosen || chosen.kind === 'sun'),
-            gpu: !this.painter,
+            gpu: this.gpu !== undefined,
         };
     }
 
-    // ---- voxels ----
-
+    /** @param x  CSS pixels, as `y` */
     private async pick(x: number, y: number): Promise<FoundCell | undefined> {
-        const { scene, camera, renderer, painter } = this;
-        if (!scene?.box || !camera) return undefined;
-        const { width, height } = this.canvas;
-        const toPixels = width / this.canvas.clientWidth;
-        if (painter) {
-            const view = cameraUniforms(camera, this.axes, scene.metadata.grid, width, height);
-            const across = scale(x * toPixels - width / 2, view.right);
-            const below = scale(y * toPixels - height / 2, view.down);
-            return painter.pick(camera.eye, add(view.forward, add(across, below)));
-        }
-        if (!renderer?.ready) return undefined;
-        return renderer.pick(this.shot(scene, camera), width, height, x * toPixels, y * toPixels);
+        const toPixels = this.canvas.width / this.canvas.clientWidth;
+        return this.view && this.painter?.pick(this.view, x * toPixels, y * toPixels);
     }
 
     private async showVoxel(x: number, y: number): Promise<void> {
@@ -444,17 +404,6 @@ export class App {
         await this.showVoxel(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
     }
 
-    // ---- links, pictures, buttons ----
-
-    private currentLink(): string {
-        return `${location.href.split('#')[0]}#${linkOf(this.camera, this.settings, this.base)}`;
-    }
-
-    private rememberLink(): void {
-        clearTimeout(this.linkTimer);
-        this.linkTimer = window.setTimeout(() => history.replaceState(null, '', this.currentLink()), kLinkDelay);
-    }
-
     private followLink(): void {
         const link = readLink(location.hash);
         const before = this.settings;
@@ -472,27 +421,12 @@ export class App {
         this.redraw();
     }
 
-    private async copyLink(): Promise<void> {
-        const link = this.currentLink();
-        history.replaceState(null, '', link);
-        try {
-            await navigator.clipboard.writeText(link);
-            toast('The link is on the clipboard');
-        } catch {
-            toast("The link is in the browser's address bar");
-        }
-    }
-
-    private savePicture(): void {
+    private async savePicture(): Promise<void> {
+        const blob = await this.painter?.picture();
+        if (!blob) return toast('The picture could not be made');
         const name = `${(this.scene?.name ?? 'octavo').replace(/\.octv$/, '')}.png`;
-        this.engine?.presentNow();
-        const save = (blob: Blob | null | undefined): void => {
-            if (!blob) return toast('The picture could not be made');
-            download(blob, name);
-            toast(`Saved ${name}`);
-        };
-        if (this.painter) save(this.painter.picture);
-        else this.canvas.toBlob(save);
+        download(blob, name);
+        toast(`Saved ${name}`);
     }
 
     private chooseMode(index: number): boolean {
@@ -502,8 +436,6 @@ export class App {
         this.changeSettings({ ...this.settings, mode });
         return true;
     }
-
-    // ---- what is said ----
 
     private showProgress(): void {
         const { scene } = this;
@@ -518,17 +450,15 @@ export class App {
     }
 
     private showStatistics(): void {
-        const { engine, scene, renderer, painter } = this;
-        if (!scene || (!painter && (!engine || !renderer))) return;
-        const finished = painter ? painter.finished : engine!.finished && scene.done;
+        const { painter, scene } = this;
+        if (!painter || !scene) return;
+        const finished = painter.finished && (scene.done || !this.gpu);
         this.canvas.dataset.state = finished ? 'finished' : 'drawing';
         const now = performance.now();
-        if (!painter && now - this.shownStatistics < 250 && !finished) return;
+        if (this.gpu && now - this.shownStatistics < 250 && !finished) return;
         this.shownStatistics = now;
-        this.canvas.dataset.samples = String(painter ? painter.frames : engine!.statistics.samples);
-        const facts = painter ? painterFacts(painter) : engineFacts(engine!.statistics, renderer!.sceneBytes);
-        const gpu: [string, string][] = painter ? [] : [['GPU', renderer!.name]];
-        fillFacts(byId('statistics'), [...facts, ...sceneFacts(scene), ...gpu]);
+        this.canvas.dataset.samples = String(painter.samples);
+        fillFacts(byId('statistics'), [...painter.facts(), ...sceneFacts(scene)]);
     }
 }
 

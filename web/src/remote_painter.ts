@@ -3,33 +3,13 @@
 // Another machine draws: octavo view --render-here. It gets what is wished for, and answers with
 // pictures that grow sharper.
 
-export interface Wish {
-    width: number;
-    height: number;
-    eye: number[];
-    forward: number[];
-    up: number[];
-    fov: number;
-    shadows: string;
-    ambient: boolean;
-    reach: number; // world units
-    smooth: boolean;
-    stored: boolean; // by the light of the file's cells
-    light: number;
-    azimuth: number; // of the sun; radians
-    elevation: number;
-    size: number;
-    exposure: number;
-}
+import type { Painter, View } from './painter';
+import type { FoundCell } from './ui/voxel_facts';
+import { cameraUniforms } from './view/camera';
+import { type Wish, wishOf } from './view/shot';
+import { add, scale } from './view/vec';
 
-export interface Found {
-    path: [number, number, number];
-    height: number;
-    face: number;
-    time: number;
-    albedo?: [number, number, number]; // linear
-    emission?: [number, number, number];
-}
+const kFrames = 4; // of one view, each sharper than the one before
 
 /** Takes the frames out of an answer: each comes behind its length in four bytes. */
 export class FrameSplitter {
@@ -52,35 +32,59 @@ export class FrameSplitter {
     }
 }
 
-export class RemotePainter {
+export class RemotePainter implements Painter {
     private readonly page = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
     private number = 0;
     private next: Wish | undefined;
     private current: { abort: AbortController; frames: number } | undefined;
     private shownUrl = '';
-    picture: Blob | undefined;
-    frames = 0; // of the last wish
+    private shown: Blob | undefined;
+    samples = 0; // frames of the last wish
     finished = false;
 
     constructor(
         private readonly image: HTMLImageElement,
+        private readonly canvas: { width: number; height: number },
         private readonly url: string,
         private readonly pickUrl: string,
         private readonly onFrame: () => void,
         private readonly onFault: (message: string) => void,
     ) {}
 
-    /** The newest wish counts. One that is being drawn is left when its first picture has come. */
-    ask(wish: Wish): void {
-        this.next = wish;
+    /** A view that is being drawn is left when its first picture has come. */
+    show(view: View): void {
+        this.next = wishOf(view, this.canvas);
         this.finished = false;
         if (!this.current) void this.work();
         else if (this.current.frames > 0) this.current.abort.abort();
     }
 
-    async pick(eye: number[], direction: number[]): Promise<Found | undefined> {
-        const answer = await fetch(this.pickUrl, { method: 'POST', body: JSON.stringify({ eye, direction }) });
-        return answer.ok ? (((await answer.json()) as Found | null) ?? undefined) : undefined;
+    showAgain(view: View): void {
+        this.show(view);
+    }
+
+    fill(): void {
+        // The browser does.
+    }
+
+    async pick({ camera, axes, scene }: View, x: number, y: number): Promise<FoundCell | undefined> {
+        const { width, height } = this.canvas;
+        const view = cameraUniforms(camera, axes, scene.metadata.grid, width, height);
+        const aside = add(scale(x - width / 2, view.right), scale(y - height / 2, view.down));
+        const body = JSON.stringify({ eye: camera.eye, direction: add(view.forward, aside) });
+        const answer = await fetch(this.pickUrl, { method: 'POST', body });
+        return answer.ok ? (((await answer.json()) as FoundCell | null) ?? undefined) : undefined;
+    }
+
+    picture(): Promise<Blob | undefined> {
+        return Promise.resolve(this.shown);
+    }
+
+    facts(): [string, string][] {
+        return [
+            ['Drawn by', 'octavo, on the other machine'],
+            ['Picture', this.finished ? 'as sharp as it gets' : `picture ${this.samples} of ${kFrames}`],
+        ];
     }
 
     private async work(): Promise<void> {
@@ -116,18 +120,18 @@ export class RemotePainter {
             const { done, value } = await reader.read();
             if (done) return;
             for (const frame of splitter.add(value)) {
-                await this.show(frame);
+                await this.put(frame);
                 this.current!.frames += 1;
-                this.frames = this.current!.frames;
+                this.samples = this.current!.frames;
                 this.onFrame();
                 if (this.next) this.current!.abort.abort();
             }
         }
     }
 
-    private async show(frame: Uint8Array<ArrayBuffer>): Promise<void> {
-        this.picture = new Blob([frame], { type: frame[0] === 0x89 ? 'image/png' : 'image/jpeg' });
-        const url = URL.createObjectURL(this.picture);
+    private async put(frame: Uint8Array<ArrayBuffer>): Promise<void> {
+        this.shown = new Blob([frame], { type: frame[0] === 0x89 ? 'image/png' : 'image/jpeg' });
+        const url = URL.createObjectURL(this.shown);
         const before = this.shownUrl;
         this.image.src = url;
         this.shownUrl = url;

@@ -122,7 +122,8 @@ export class Renderer {
     private lamps: { of: PlacedLamps; texture: WebGLTexture } | undefined;
     private picker: Program | undefined;
     private pickFrame: WebGLFramebuffer | undefined;
-    private probe: { frame: WebGLFramebuffer; buffer: WebGLBuffer; sync?: WebGLSync } | undefined;
+    private probeFrame: WebGLFramebuffer | undefined;
+    private probing: { buffer: WebGLBuffer; sync: WebGLSync } | undefined;
 
     constructor(private readonly gl: WebGL2RenderingContext) {
         const size = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
@@ -349,36 +350,36 @@ export class Renderer {
     /** Starts to read how many rays some pixels have taken; collectRays() has the answer later. */
     probeRays(canvas: Canvas): void {
         const { gl } = this;
-        if (this.format === gl.RGBA8 || this.probe?.sync) return;
-        if (!this.probe) {
-            const { frame } = target(gl, this.format, kProbe, kProbe);
-            const buffer = gl.createBuffer();
-            gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
-            gl.bufferData(gl.PIXEL_PACK_BUFFER, 16 * kProbe * kProbe, gl.STREAM_READ);
-            this.probe = { frame, buffer };
-        }
+        if (this.format === gl.RGBA8 || this.probing) return;
+        this.probeFrame ??= target(gl, this.format, kProbe, kProbe).frame;
+        // A new one each time: browsers that keep copies of such buffers warn of a second use.
+        const buffer = gl.createBuffer();
+        gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+        gl.bufferData(gl.PIXEL_PACK_BUFFER, 16 * kProbe * kProbe, gl.STREAM_READ);
         gl.bindFramebuffer(gl.READ_FRAMEBUFFER, canvas.targets[canvas.current]!.frame);
-        gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.probe.frame);
+        gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.probeFrame);
         gl.blitFramebuffer(0, 0, canvas.width, canvas.height, 0, 0, kProbe, kProbe, gl.COLOR_BUFFER_BIT, gl.NEAREST);
-        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.probe.frame);
-        gl.bindBuffer(gl.PIXEL_PACK_BUFFER, this.probe.buffer);
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.probeFrame);
         gl.readPixels(0, 0, kProbe, kProbe, gl.RGBA, gl.FLOAT, 0);
         gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-        this.probe.sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
+        const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        if (sync) this.probing = { buffer, sync };
+        else gl.deleteBuffer(buffer);
         gl.flush();
     }
 
     /** Rays that a pixel has taken in all its samples, on average; undefined until it is known. */
     collectRays(): number | undefined {
         const { gl } = this;
-        const sync = this.probe?.sync;
-        if (!sync || gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return undefined;
-        gl.deleteSync(sync);
-        this.probe!.sync = undefined;
+        const probing = this.probing;
+        if (!probing || gl.getSyncParameter(probing.sync, gl.SYNC_STATUS) !== gl.SIGNALED) return undefined;
+        this.probing = undefined;
         const pixels = new Float32Array(4 * kProbe * kProbe);
-        gl.bindBuffer(gl.PIXEL_PACK_BUFFER, this.probe!.buffer);
+        gl.bindBuffer(gl.PIXEL_PACK_BUFFER, probing.buffer);
         gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, pixels);
         gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+        gl.deleteBuffer(probing.buffer);
+        gl.deleteSync(probing.sync);
         let rays = 0;
         for (let i = 3; i < pixels.length; i += 4) rays += pixels[i]!;
         return rays / (kProbe * kProbe);

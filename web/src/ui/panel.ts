@@ -65,6 +65,13 @@ export class Panel {
         this.bindChoice('up', Object.entries(kUpLabels), (value) => this.set({ up: value as Settings['up'] }));
     }
 
+    /** What part of a picture, at its left, the panel leaves clear; all of it where it does not lie at the side. */
+    clearOf(picture: DOMRect): number {
+        const panel = byId('panel').getBoundingClientRect();
+        const beside = panel.width > 0 && panel.left > picture.left + 0.5 * picture.width;
+        return beside ? Math.min(1, (panel.left - picture.left) / picture.width) : 1;
+    }
+
     /** What there is to choose from. */
     offer(offers: Offers): void {
         const before = this.offers;

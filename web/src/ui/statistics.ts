@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 import type { EngineStatistics } from '../gl/engine';
-import type { RemotePainter } from '../remote_painter';
 import { megabytes, shortCount } from './numbers';
 
 export function engineFacts(s: EngineStatistics, sceneBytes: number): [string, string][] {
@@ -9,13 +8,5 @@ export function engineFacts(s: EngineStatistics, sceneBytes: number): [string, s
         ['Picture', `${s.width} × ${s.height}, ${s.samples} ${s.samples === 1 ? 'sample' : 'samples'}`],
         ['Frames', s.framesPerSecond > 0 ? `${s.framesPerSecond} a second` : 'at rest'],
         ['GPU memory', `${megabytes(sceneBytes)} scene, ${megabytes(s.bytes)} pictures`],
-    ];
-}
-
-export function painterFacts(painter: RemotePainter): [string, string][] {
-    const sharpness = painter.finished ? 'as sharp as it gets' : `picture ${painter.frames} of 4`;
-    return [
-        ['Drawn by', 'octavo, on the other machine'],
-        ['Picture', sharpness],
     ];
 }

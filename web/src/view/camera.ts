@@ -98,8 +98,14 @@ export function diagonalOf(box: Box): number {
     return length(sub(box.high, box.low));
 }
 
-/** Sees the whole box from this direction: octavo::default_camera(). */
-export function framing(box: Box, axes: Axes, aspect: number, towardsEye: Vec3, verticalFov: number): Camera {
+/** How wide the picture is for its height, and what part of its width, at the left, nothing covers. */
+export interface Frame {
+    aspect: number;
+    clear: number;
+}
+
+/** Sees the whole box from this direction: octavo::default_camera(), where nothing covers the picture. */
+export function framing(box: Box, axes: Axes, { aspect, clear }: Frame, towardsEye: Vec3, verticalFov: number): Camera {
     const centre = scale(0.5, add(box.low, box.high));
     const size = sub(box.high, box.low);
     const forward = scale(-1, normalize(towardsEye));
@@ -114,17 +120,18 @@ export function framing(box: Box, axes: Axes, aspect: number, towardsEye: Vec3, 
             ((i >> 2) - 0.5) * size[2],
         ];
         const height = Math.abs(dot(toCorner, up)) / slope;
-        const width = Math.abs(dot(toCorner, right)) / (slope * aspect);
+        const width = Math.abs(dot(toCorner, right)) / (slope * aspect * clear);
         distance = Math.max(distance, Math.max(height, width) - dot(toCorner, forward));
     }
     distance *= 1.04;
     const angles = anglesOf(axes, forward);
-    return { eye: sub(centre, scale(distance, forward)), ...angles, distance, verticalFov };
+    const target = add(centre, scale((1 - clear) * slope * aspect * distance, right));
+    return { eye: sub(target, scale(distance, forward)), ...angles, distance, verticalFov };
 }
 
-export function defaultCamera(box: Box, axes: Axes, aspect: number): Camera {
+export function defaultCamera(box: Box, axes: Axes, frame: Frame): Camera {
     const towardsEye = add(add(axes.x, scale(0.6, axes.y)), scale(1.4, axes.z));
-    return framing(box, axes, aspect, towardsEye, kDefaultFov);
+    return framing(box, axes, frame, towardsEye, kDefaultFov);
 }
 
 /** A camera of the file. Its target is taken to be as far as the middle of the scene. */

@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// What a scene, a camera and the settings ask for: of this machine's GPU, and of another machine.
+// What a view asks for: of this machine's GPU, and of another machine.
 import type { Shot } from '../gl/renderer';
 import type { Metadata } from '../octv/metadata';
-import type { Wish } from '../remote_painter';
-import { type Scene, hasStoredLight, openLevel } from '../scene';
-import { type Axes, type Camera, cameraUniforms, diagonalOf, forwardOf } from './camera';
+import type { View } from '../painter';
+import { hasStoredLight, openLevel } from '../scene';
+import { cameraUniforms, diagonalOf, forwardOf } from './camera';
 import { type PlacedLamps, placeLamps } from './lamps';
 import { lightsOf } from './lights';
-import type { Settings } from './settings';
 import { storedSky } from './sky';
 
 /** Keeps the lamps as long as they are the same, so that they are placed and uploaded once. */
 export class LampPlacer {
     private last: { key: string; metadata: Metadata; lamps: PlacedLamps } | undefined;
 
-    place(scene: Scene, settings: Settings, axes: Axes): PlacedLamps {
+    place({ scene, settings, axes }: View): PlacedLamps {
         const { light, sunAzimuth, sunElevation, sunSize, up } = settings;
         const key = JSON.stringify([light, sunAzimuth, sunElevation, sunSize, up, scene.box]);
         if (this.last?.key !== key || this.last.metadata !== scene.metadata) {
@@ -26,7 +25,7 @@ export class LampPlacer {
     }
 }
 
-export function shotOf(scene: Scene, camera: Camera, settings: Settings, axes: Axes, lamps: PlacedLamps, canvas: { width: number; height: number }): Shot {
+export function shotOf({ scene, camera, settings, axes }: View, lamps: PlacedLamps, canvas: { width: number; height: number }): Shot {
     const { grid } = scene.metadata;
     const uniforms = cameraUniforms(camera, axes, grid, canvas.width, canvas.height);
     const level = Math.min(openLevel(scene), settings.finestLevel);
@@ -47,9 +46,29 @@ export function shotOf(scene: Scene, camera: Camera, settings: Settings, axes: A
     };
 }
 
+/** As the server of octavo view --render-here takes it. */
+export interface Wish {
+    width: number;
+    height: number;
+    eye: number[];
+    forward: number[];
+    up: number[];
+    fov: number;
+    shadows: string;
+    ambient: boolean;
+    reach: number; // world units
+    smooth: boolean;
+    stored: boolean; // by the light of the file's cells
+    light: number;
+    azimuth: number; // of the sun; radians
+    elevation: number;
+    size: number;
+    exposure: number;
+}
+
 const kMostSide = 4096; // pixels, of another machine's picture
 
-export function wishOf(scene: Scene, camera: Camera, settings: Settings, axes: Axes, canvas: { width: number; height: number }): Wish {
+export function wishOf({ scene, camera, settings, axes }: View, canvas: { width: number; height: number }): Wish {
     const radians = Math.PI / 180;
     return {
         width: Math.min(kMostSide, canvas.width),
