@@ -2,13 +2,13 @@
 #include "bench_build.h"
 
 #include <fmt/format.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -73,13 +73,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 BuildRow measure(const Scene& scene, const BuildOptions& options, int repeat) {
     BuildRow row;
     row.depth = options.depth;
-    malloc_trim(0);  // what earlier builds gave back is not this one's
+    trim_memory();  // what earlier builds gave back is not this one's
     restart_peak_resident();
     for (int run = 0; run < repeat; ++run) {
         const auto start = std::chrono::steady_clock::now();
-        const BuildResult result = build(scene, options);
+        BuildResult result = build(scene, options);
         row.seconds.push_back(seconds_since(start));
-        if (run == 0) row.statistics = compute_statistics(result.dag);
+        row.statistics = std::move(result.statistics);
     }
     row.peak_bytes = peak_resident_bytes();
     std::sort(row.seconds.begin(), row.seconds.end());
@@ -169,6 +169,7 @@ std::string table(const SceneFigures& scene) {
 }
 
 void run(const BuildBenchArguments& arguments) {
+    return_freed_memory();  // as octavo build does
     std::vector<std::string> inputs = arguments.scenes;
     if (inputs.empty())
         for (const SampleInfo& sample : samples())

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -195,13 +194,6 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     require_memory(estimate, options.max_memory_bytes);
 }
 
-/// Large blocks come from the system one by one and go back to it at once, so that what is given
-/// back is not counted; by default glibc begins to keep blocks of up to 32 MiB.
-void return_freed_memory() {
-    constexpr int kLeastBlock = 256 << 10;
-    mallopt(M_MMAP_THRESHOLD, kLeastBlock);
-}
-
 std::filesystem::path scratch_of(const BuildArguments& arguments) {
     const std::filesystem::path beside = std::filesystem::absolute(arguments.output).parent_path();
     std::filesystem::path scratch = arguments.scratch.empty() ? beside : arguments.scratch;
@@ -217,7 +209,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
         arguments.quiet = true;
     }
     BuildOptions& options = arguments.options;
-    if (options.max_memory_bytes != 0) return_freed_memory();
+    return_freed_memory();
     if (arguments.origin)
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,

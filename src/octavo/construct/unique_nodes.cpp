@@ -10,31 +10,31 @@
 namespace octavo {
 namespace {
 
-constexpr std::size_t kFirstSlots = 256;
+constexpr std::size_t kFirstBuckets = 16;
+constexpr std::uint64_t kMaxLevelWords = 0xffffffffu;
 
 }  // namespace
 
-std::uint32_t UniqueNodes::append_leaf(std::uint64_t voxels, std::size_t slot) {
+std::uint32_t UniqueNodes::append_leaf(std::uint64_t voxels, Bucket& bucket, std::uint8_t tag) {
     std::memcpy(words_.room(kLeafWords), &voxels, sizeof voxels);
-    return take_appended(kLeafWords, slot);
+    return take_appended(kLeafWords, bucket, tag);
 }
 
 std::uint32_t UniqueNodes::append_interior(std::uint32_t child_mask, const ChildIds& children,
-                                           std::size_t slot) {
+                                           Bucket& bucket, std::uint8_t tag) {
     std::uint32_t* words = words_.room(kMaxNodeWords);
     words[0] = child_mask;
     std::memcpy(words + 1, children.pair, sizeof children.pair);
-    return take_appended(node_words(child_mask), slot);
+    return take_appended(node_words(child_mask), bucket, tag);
 }
 
-std::uint32_t UniqueNodes::take_appended(int size, std::size_t slot) {
+std::uint32_t UniqueNodes::take_appended(int size, Bucket& bucket, std::uint8_t tag) {
     const std::uint64_t id = words_.size();
-    if (id + static_cast<unsigned>(size) > kEmpty)
+    if (id + static_cast<unsigned>(size) > kMaxLevelWords)
         throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
     words_.commit(size);
-    slots_[slot] = static_cast<std::uint32_t>(id);
-    // At most 5/8 full: linear probing then looks at two slots on average.
-    if (++count_ * 8 > slots_.size() * 5) grow_table();
+    bucket.put(static_cast<std::uint32_t>(id), tag);
+    if (++count_ > buckets_.size() * kNodesOfBucket) grow_table();
     return static_cast<std::uint32_t>(id);
 }
 
@@ -60,23 +60,23 @@ void UniqueNodes::assign(std::span<const std::uint32_t> nodes) {
 
 void UniqueNodes::clear() {
     words_.clear();
-    std::fill(slots_.begin(), slots_.end(), kEmpty);
+    std::fill(buckets_.begin(), buckets_.end(), Bucket{});
     count_ = 0;
 }
 
 void UniqueNodes::grow_table() {
-    const std::size_t slot_count = slots_.empty() ? kFirstSlots : 2 * slots_.size();
-    slots_ = {};  // first, so that the old table and the new one are never held together
-    slots_.assign(slot_count, kEmpty);
+    const std::size_t bucket_count = buckets_.empty() ? kFirstBuckets : 2 * buckets_.size();
+    buckets_ = {};  // first, so that the old table and the new one are never held together
+    buckets_.resize(bucket_count);
     for (std::uint64_t id = 0; id < words_.size();) {
         const std::uint32_t* node = words_.data() + id;  // with slack after the last one
         const int size = size_of(node);
         const std::uint64_t h =
             kind_ == Kind::leaves ? hash_leaf(voxels_of(node))
                                   : hash_interior(node[0], ChildIds::first_of(node + 1, size - 1));
-        std::size_t slot = home(h);
-        while (slots_[slot] != kEmpty) slot = next(slot);
-        slots_[slot] = static_cast<std::uint32_t>(id);
+        std::size_t at = home(h);
+        while (buckets_[at].full()) at = next(at);
+        buckets_[at].put(static_cast<std::uint32_t>(id), tag_of(h));
         id += static_cast<unsigned>(size);
     }
 }

@@ -8,8 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "octavo/construct/huge_pages.h"
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "octavo/construct/word_array.h"
+#include "octavo/core/huge_pages.h"
 #include "octavo/dag/node.h"
 
 namespace octavo {
@@ -51,7 +55,8 @@ private:
 /// for (hash-consing). A node is its words: a leaf's two halves, or a child mask and the ids of the
 /// children. Its id is the index of its first word among the level's words.
 ///
-/// Expected O(1) for each request. Memory: the words, and 7 to 13 bytes of table for each node.
+/// Expected O(1) for each request: one cache line of the table, and the node itself where there is
+/// one. Memory: the words, and 7 to 14 bytes of table for each node.
 class UniqueNodes {
 public:
     enum class Kind { leaves, interior };
@@ -77,23 +82,31 @@ public:
 
     /// The same, hashed before.
     std::uint32_t add_leaf(std::uint64_t voxels, std::uint64_t hash) {
-        if (slots_.empty()) grow_table();
-        for (std::size_t slot = home(hash);; slot = next(slot)) {
-            const std::uint32_t id = slots_[slot];
-            if (id == kEmpty) return append_leaf(voxels, slot);
-            if (voxels_of(words_.data() + id) == voxels) return id;
+        if (buckets_.empty()) grow_table();
+        const std::uint8_t tag = tag_of(hash);
+        for (std::size_t at = home(hash);; at = next(at)) {
+            Bucket& bucket = buckets_[at];
+            for (unsigned like = bucket.with_tag(tag); like != 0; like &= like - 1) {
+                const std::uint32_t id = bucket.ids[std::countr_zero(like)];
+                if (voxels_of(words_.data() + id) == voxels) return id;
+            }
+            if (!bucket.full()) return append_leaf(voxels, bucket, tag);
         }
     }
     std::uint32_t add_interior(std::uint32_t child_mask, const ChildIds& children,
                                std::uint64_t hash) {
-        if (slots_.empty()) grow_table();
+        if (buckets_.empty()) grow_table();
         const int count = std::popcount(child_mask & kChildMaskBits);
-        for (std::size_t slot = home(hash);; slot = next(slot)) {
-            const std::uint32_t id = slots_[slot];
-            if (id == kEmpty) return append_interior(child_mask, children, slot);
-            const std::uint32_t* other = words_.data() + id;  // with slack after the last one
-            if (ChildIds::first_of(other + 1, count) == children && other[0] == child_mask)
-                return id;
+        const std::uint8_t tag = tag_of(hash);
+        for (std::size_t at = home(hash);; at = next(at)) {
+            Bucket& bucket = buckets_[at];
+            for (unsigned like = bucket.with_tag(tag); like != 0; like &= like - 1) {
+                const std::uint32_t id = bucket.ids[std::countr_zero(like)];
+                const std::uint32_t* other = words_.data() + id;  // with slack after the last one
+                if (ChildIds::first_of(other + 1, count) == children && other[0] == child_mask)
+                    return id;
+            }
+            if (!bucket.full()) return append_interior(child_mask, children, bucket, tag);
         }
     }
 
@@ -121,14 +134,16 @@ public:
 
     /// Starts to fetch what adding looks at first for a node with this hash.
     void prefetch_slot(std::uint64_t hash) const {
-        if (!slots_.empty()) __builtin_prefetch(&slots_[home(hash)], 1);
+        if (!buckets_.empty()) __builtin_prefetch(&buckets_[home(hash)], 1);
     }
 
     /// Starts to fetch what it looks at next; to be called when the slot has had time to arrive.
     void prefetch_node(std::uint64_t hash) const {
-        if (slots_.empty()) return;
-        const std::uint32_t id = slots_[home(hash)];
-        if (id == kEmpty) return;
+        if (buckets_.empty()) return;
+        const Bucket& bucket = buckets_[home(hash)];
+        const unsigned like = bucket.with_tag(tag_of(hash));
+        if (like == 0) return;
+        const std::uint32_t id = bucket.ids[std::countr_zero(like)];
         __builtin_prefetch(words_.data() + id);
         __builtin_prefetch(words_.data() + id + kMaxNodeWords - 1);  // may be another line
     }
@@ -144,20 +159,20 @@ public:
 
     /// Memory that nodes and table take.
     [[nodiscard]] std::uint64_t memory_bytes() const {
-        return (words_.size() + slots_.size()) * sizeof(std::uint32_t);
+        return words_.size() * sizeof(std::uint32_t) + buckets_.size() * sizeof(Bucket);
     }
 
     /// Memory that the table will take on top, if it is about to double.
     [[nodiscard]] std::uint64_t growth_bytes() const {
-        const bool soon = count_ * 8 > slots_.size() * 4;  // it doubles at 5
-        return soon ? slots_.size() * sizeof(std::uint32_t) : 0;
+        const bool soon = count_ > buckets_.size() * (kNodesOfBucket - 2);
+        return soon ? buckets_.size() * sizeof(Bucket) : 0;
     }
 
     /// Forgets the nodes but keeps the memory, for the next nodes.
     void clear();
 
     /// Gives the memory of the table back; then nothing can be added any more.
-    void drop_table() { slots_ = {}; }
+    void drop_table() { buckets_ = {}; }
 
     /// Gives the memory of the nodes before this id back; only later ones are still there.
     void discard_before(std::uint64_t id) { words_.discard_before(id); }
@@ -166,7 +181,41 @@ public:
     void reset() { *this = UniqueNodes(kind_); }
 
 private:
-    static constexpr std::uint32_t kEmpty = 0xffffffffu;
+    /// A cache line of the table: ids, and a byte of each node's hash, so that nodes that are not
+    /// the one looked for are hardly ever fetched to find that out.
+    struct alignas(64) Bucket {
+        static constexpr unsigned kSize = 12;
+
+        std::uint32_t ids[kSize];
+        std::uint8_t tags[16];  // 0: nothing there, nor after it; the last four are not used
+
+        /// Bit i is set where the i-th has this tag.
+        [[nodiscard]] unsigned with_tag(std::uint8_t tag) const {
+#if defined(__SSE2__)
+            const __m128i all = _mm_load_si128(reinterpret_cast<const __m128i*>(tags));
+            const __m128i like = _mm_cmpeq_epi8(all, _mm_set1_epi8(static_cast<char>(tag)));
+            return static_cast<unsigned>(_mm_movemask_epi8(like)) & ((1u << kSize) - 1);
+#else
+            unsigned like = 0;
+            for (unsigned i = 0; i < kSize; ++i) like |= unsigned{tags[i] == tag} << i;
+            return like;
+#endif
+        }
+        [[nodiscard]] bool full() const {
+            return tags[kSize - 1] != 0;
+        }
+        /// Not where it is full.
+        void put(std::uint32_t id, std::uint8_t tag) {
+            const auto at = static_cast<unsigned>(std::countr_zero(with_tag(0)));
+            if (at >= kSize) __builtin_unreachable();
+            ids[at] = id;
+            tags[at] = tag;
+        }
+    };
+
+    // On average, when the table grows: few buckets are full then.
+    static constexpr std::size_t kNodesOfBucket = 9;
+
     static constexpr std::uint64_t kKeys[4] = {0x9e3779b97f4a7c15u, 0xd6e8feb86659fd93u,
                                                0xc2b2ae3d27d4eb4fu, 0xff51afd7ed558ccdu};
 
@@ -192,20 +241,26 @@ private:
         return ChildIds::first_of(ids, count);
     }
 
-    [[nodiscard]] std::size_t home(std::uint64_t hash) const { return hash & (slots_.size() - 1); }
-    [[nodiscard]] std::size_t next(std::size_t slot) const {
-        return (slot + 1) & (slots_.size() - 1);
+    static std::uint8_t tag_of(std::uint64_t hash) {
+        const auto tag = static_cast<std::uint8_t>(hash >> 56);
+        return tag == 0 ? 1 : tag;
     }
-    std::uint32_t append_leaf(std::uint64_t voxels, std::size_t slot);
+    [[nodiscard]] std::size_t home(std::uint64_t hash) const {
+        return hash & (buckets_.size() - 1);
+    }
+    [[nodiscard]] std::size_t next(std::size_t bucket) const {
+        return (bucket + 1) & (buckets_.size() - 1);
+    }
+    std::uint32_t append_leaf(std::uint64_t voxels, Bucket& bucket, std::uint8_t tag);
     std::uint32_t append_interior(std::uint32_t child_mask, const ChildIds& children,
-                                  std::size_t slot);
-    std::uint32_t take_appended(int size, std::size_t slot);
+                                  Bucket& bucket, std::uint8_t tag);
+    std::uint32_t take_appended(int size, Bucket& bucket, std::uint8_t tag);
     void grow_table();
 
     Kind kind_;
     WordArray words_;
-    // Open addressing, linear probing; ids or kEmpty.
-    std::vector<std::uint32_t, HugePageAllocator<std::uint32_t>> slots_;
+    // What finds its bucket full goes to the next.
+    std::vector<Bucket, HugePageAllocator<Bucket>> buckets_;
     std::uint64_t count_ = 0;
 };
 

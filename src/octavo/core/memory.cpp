@@ -37,4 +37,9 @@ void trim_memory() {
     malloc_trim(0);
 }
 
+void return_freed_memory() {
+    constexpr int kLeastBlock = 256 << 10;
+    mallopt(M_MMAP_THRESHOLD, kLeastBlock);
+}
+
 }  // namespace octavo

@@ -20,4 +20,9 @@ bool restart_peak_resident();
 /// Gives memory that has been freed back to the system, as far as the allocator holds it.
 void trim_memory();
 
+/// From now on large blocks come from the system one by one and go back to it at once. By default
+/// glibc begins to keep blocks of up to 32 MiB, and what is kept counts as held. For programs: it
+/// concerns the whole process.
+void return_freed_memory();
+
 }  // namespace octavo

@@ -66,6 +66,22 @@ public:
         return true;
     }
 
+    /// Starts to fetch what corners() looks at first; and, when that has had time to arrive, next.
+    void prefetch_triangle(std::size_t triangle) const {
+        const std::size_t count = scene_triangles_.size();
+        if (triangle < count)
+            __builtin_prefetch(&scene_triangles_[triangle]);
+        else
+            __builtin_prefetch(&clipped_[triangle - count]);
+    }
+    void prefetch_corners(std::size_t triangle) const {
+        if (triangle >= scene_triangles_.size()) return;
+        const uvec3& t = scene_triangles_[triangle];
+        __builtin_prefetch(&points_[t.x]);
+        __builtin_prefetch(&points_[t.y]);
+        __builtin_prefetch(&points_[t.z]);
+    }
+
     /// The scene's triangle that this is, or is a clipped piece of.
     [[nodiscard]] std::size_t scene_triangle(std::size_t triangle) const {
         const std::size_t count = scene_triangles_.size();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "octavo/core/huge_pages.h"
 #include "octavo/voxelize/voxel_source.h"
 
 namespace octavo {
@@ -81,7 +82,7 @@ private:
     }
     void take_below(std::size_t level, std::uint32_t word_index, std::vector<LeafBlock>& leaves);
 
-    std::vector<std::uint64_t> blocks_;
+    std::vector<std::uint64_t, HugePageAllocator<std::uint64_t>> blocks_;
     std::vector<std::vector<std::uint64_t>> occupied_;  // occupied_[0]: a bit for each block
 };
 

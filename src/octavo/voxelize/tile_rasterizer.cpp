@@ -232,7 +232,13 @@ void RasterizeTile(const FixedMesh& mesh, const HoleLookup* lookup,
     Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
     std::array<FixedPoint, 3> corners;
     CutOuts::Triangle holes;
-    for (const TileTriangle& t : triangles) {
+    constexpr std::size_t kCornersAhead = 8, kTriangleAhead = 24;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        if (i + kTriangleAhead < triangles.size())
+            mesh.prefetch_triangle(triangles[i + kTriangleAhead].triangle);
+        if (i + kCornersAhead < triangles.size())
+            mesh.prefetch_corners(triangles[i + kCornersAhead].triangle);
+        const TileTriangle& t = triangles[i];
         if (!mesh.corners(t.triangle, corners)) continue;
         const bool has_holes = lookup != nullptr && lookup->find(t.triangle, holes);
         rasterizer.add(corners, has_holes ? &holes : nullptr);

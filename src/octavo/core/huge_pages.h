@@ -6,7 +6,7 @@
 namespace octavo {
 
 /// Memory for large arrays that are read at random: in pages of 2 MiB where the system has them, so
-/// that a read misses the cache but not the table of pages as well.
+/// that a read misses the cache but not the table of pages as well. Begins at a cache line.
 /// @throws std::bad_alloc
 [[nodiscard]] void* allocate_huge_pages(std::size_t bytes);
 void free_huge_pages(void* memory) noexcept;

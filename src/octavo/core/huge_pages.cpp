@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/construct/huge_pages.h"
+#include "octavo/core/huge_pages.h"
 
 #include <sys/mman.h>
 
@@ -10,9 +10,10 @@ namespace octavo {
 
 void* allocate_huge_pages(std::size_t bytes) {
     constexpr std::size_t kPage = std::size_t{2} << 20;
+    constexpr std::size_t kLine = 64;
     void* memory = nullptr;
     if (bytes < kPage) {
-        memory = std::malloc(bytes);
+        memory = std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine);
     } else {
         memory = std::aligned_alloc(kPage, (bytes + kPage - 1) / kPage * kPage);
         // Advice: without it pages are small, and nothing else changes.
