@@ -30,12 +30,15 @@ inline ColouredScene random_colours(const Dag& dag, int level, std::uint32_t see
     for (std::size_t c = 0; c < 4; ++c) {
         CellValuesWriter writer(Attributes::kValueBits[c], 0);
         for (std::uint64_t i = 0; i < cells.count(); ++i) {
-            std::uint32_t value = i / 700 % 2 == 0 ? random() : (random() & 0x00030101u);
+            auto value = static_cast<std::uint32_t>(random());
+            if (i / 700 % 2 != 0) value &= 0x00030101u;
             if (c == 0) value &= 0xffffffu;
             // An exponent that leaves the picture finite; half of the cells do not shine.
             if (c >= 2) value = random() % 2 == 0 ? 0 : ((value & 0x7ffffffu) | 14u << 27);
             if (c == 1)
-                value = random() % 3 != 0 ? 0 : pack_back(value & 0xffffffu, random() % 121);
+                value = random() % 3 != 0 ? 0
+                                          : pack_back(value & 0xffffffu,
+                                                      static_cast<std::uint32_t>(random() % 121));
             writer.append(std::span(&value, 1));
         }
         channels[c] = std::move(writer).finish();

@@ -271,7 +271,8 @@ TEST_P(Pictures, UnderAnySkyAreThoseOfTheCpu) {
     SkyImage image{16, 8, {}};
     std::mt19937 random(3);
     for (int i = 0; i < 128; ++i)
-        image.color.emplace_back(random() % 100 / 50.0f, random() % 100 / 80.0f, random() % 9);
+        image.color.emplace_back(static_cast<float>(random() % 100) / 50.0f,
+                                 static_cast<float>(random() % 100) / 80.0f, random() % 9);
     const test::ColouredScene& scene = coloured_scenes().back();
     RenderOptions options = small_picture();
     options.width = 64;

@@ -106,7 +106,7 @@ TEST(ReduceOnGpu, StepsGiveTheNodesOfTheCpuInTheirOrder) {
 TEST(ReduceOnGpu, EqualHashesOfDifferentNodesDoNoHarm) {
     std::mt19937 random(4);
     std::vector<LeafBlock> leaves;
-    for (std::uint32_t code = 0; code < 4096; code += 1 + random() % 3)
+    for (std::uint32_t code = 0; code < 4096; code += 1 + static_cast<std::uint32_t>(random() % 3))
         leaves.push_back({1 + random() % 40, code});
     for (const int bits : {1, 3, 8}) expect_same(leaves, 4, bits);
 }
