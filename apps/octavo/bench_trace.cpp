@@ -260,7 +260,7 @@ private:
         const int y = static_cast<int>(tile) / columns * kTilePixels;
         const auto beam = pixels.bundle(x, y, x + kTilePixels, y + kTilePixels);
         if (!beam) return;
-        const float start = beam_start(view_, *beam, {0, 0.0f, 0.0f});
+        const float start = beam_start_wide(model_.dag, *beam, {0, 0.0f, 0.0f});
         for (shared::GridRay& ray : rays) ray.t_min = start;
     }
 

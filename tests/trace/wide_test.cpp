@@ -188,6 +188,82 @@ TEST_P(Wide, NotANumberDoesNotDisturbTheOtherRays) {
     }
 }
 
+void expect_same_start(const Dag& dag, const s::Bundle& beam, const s::Stop& stop,
+                       const std::string& what) {
+    ASSERT_EQ(beam_start(s::view(dag), beam, stop), beam_start_wide(dag, beam, stop)) << what;
+}
+
+/// About a ray, of any width: most have directions of one sign, some along an axis.
+s::Bundle random_bundle(const s::GridRay& ray, test::RandomRays& random) {
+    const float spread = static_cast<float>(std::exp2(random.uniform(-13, -1)));
+    s::Bundle beam{ray.cell,
+                   ray.frac,
+                   ray.dir - 0.5f * spread,
+                   ray.dir + 0.5f * spread,
+                   0.0f,
+                   random.flip() ? 1e30f : 1e9f,
+                   spread};
+    for (int a = 0; a < 3; ++a)
+        if (ray.dir[a] == 0.0f) beam.dir_low[a] = random.flip() ? 0.0f : -0.0f;
+    return beam;
+}
+
+TEST_P(Wide, BeamsStartWhereTheSharedTextSays) {
+    std::size_t helped = 0;
+    for (int depth = 2; depth <= 17; ++depth)
+        for (const Dag& dag : {test::dust(depth, 0.35, 4), test::dust(depth, 0.6, 5),
+                               test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)}) {
+            const auto size = static_cast<float>(dag.resolution());
+            test::RandomRays random(static_cast<std::uint32_t>(depth),
+                                    static_cast<int>(dag.resolution()));
+            for (int i = 0; i < 600; ++i) {
+                const s::GridRay ray =
+                    test::grid_ray(random(static_cast<test::RandomRays::Kind>(i / 100)));
+                s::Bundle beam = random_bundle(ray, random);
+                if (i % 5 == 0) beam.t_max = 0.4f * size;
+                if (i % 7 == 0) beam.t_min = 0.2f * size;
+                if (i % 11 == 0) beam.t_min = -1e9f;
+                if (i % 13 == 0) beam.spread = 0.0f;
+                const std::string what =
+                    "depth " + std::to_string(depth) + " beam " + std::to_string(i);
+                const float cone = beam.spread / 8.0f;
+                for (const s::Stop& stop :
+                     {s::Stop{0, 0.0f, 0.0f}, s::Stop{1, 0.0f, 0.0f},
+                      s::Stop{depth / 2, 0.0f, 0.0f}, s::Stop{depth, 0.0f, 0.0f},
+                      s::Stop{0, cone, 0.0f}, s::Stop{0, cone, 20.0f}})
+                    expect_same_start(dag, beam, stop, what);
+                const float start = beam_start_wide(dag, beam, {0, 0.0f, 0.0f});
+                helped += start > beam.t_min && start < beam.t_max;
+            }
+        }
+    EXPECT_GT(helped, 5000u);
+}
+
+TEST_P(Wide, BeamsOfNoNumberOrNoVoxelStartWhereTheSharedTextSays) {
+    const Dag dag = test::dust(9, 0.6, 1);
+    const Dag empty = test::SmallDagBuilder(9).freeze(0);
+    const s::Bundle plain{
+        ivec3(4), vec3(0.5f), vec3(0.1f, 0.3f, 0.9f), vec3(0.2f, 0.4f, 1.0f), 0.0f, 1e30f, 0.1f};
+    expect_same_start(empty, plain, {0, 0.0f, 0.0f}, "empty");
+    for (const float odd :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+          -std::numeric_limits<float>::infinity()})
+        for (int i = 0; i < 14; ++i) {
+            s::Bundle beam = plain;
+            s::Stop stop{0, 0.01f, 0.0f};
+            if (i < 9) (i < 3 ? beam.frac : i < 6 ? beam.dir_low : beam.dir_high)[i % 3] = odd;
+            if (i == 9) beam.t_min = odd;
+            if (i == 10) beam.t_max = odd;
+            if (i == 11) beam.spread = odd;
+            if (i == 12) stop.cone = odd;
+            if (i == 13) stop.time_before = odd;
+            const float expected = beam_start(s::view(dag), beam, stop);
+            const float start = beam_start_wide(dag, beam, stop);
+            EXPECT_TRUE(start == expected || (std::isnan(start) && std::isnan(expected)))
+                << odd << " " << i << ": " << start << ", not " << expected;
+        }
+}
+
 TEST_P(Wide, EmptyDagIsMissed) {
     const Dag empty = test::SmallDagBuilder(9).freeze(0);
     expect_same(empty, {100, test::grid_ray({{1, 1, -5}, {0, 0, 1}})}, {0, 0.0f, 0.0f}, "empty");

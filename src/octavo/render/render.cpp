@@ -22,6 +22,7 @@
 #include "octavo/render/settings.h"
 #include "octavo/render/visibility.h"
 #include "octavo/trace/ray_queue.h"
+#include "octavo/trace/wide.h"
 
 namespace octavo {
 namespace {
@@ -46,7 +47,7 @@ public:
         float start = 0.0f;
         if (options_.beam && !options_.primary)
             if (const auto beam = settings_.rays.bundle(x0, y0, x1, y1))
-                start = beam_start(dag_, *beam, settings_.primary_stop);
+                start = beam_start_wide(whole_dag_, *beam, settings_.primary_stop);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -12,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "octavo/trace/wide_batch-inl.h"
+#include "octavo/trace/wide_beam-inl.h"
 #include "octavo/trace/wide_sheaf-inl.h"
 #include "octavo/trace/wide_walk-inl.h"
 
@@ -161,6 +163,10 @@ bool TraceAny(shared::DagView dag, bool far_nodes, bool sheaves,
     return alike;
 }
 
+float BeamStart(shared::DagView dag, const shared::Bundle& beam, shared::Stop stop) {
+    return BeamWalk(dag, beam, stop).start();
+}
+
 }  // namespace octavo::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -191,10 +197,28 @@ bool is_crowded(const Dag& dag) {
 constexpr double kMostlyOccluded = 0.7;
 thread_local bool last_were_occluded = true;
 
+/// Vectors and the shared text choose differently between a number and what is none.
+bool is_finite(const shared::Bundle& beam) {
+    const auto finite = [](const vec3& v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    return finite(beam.frac) && finite(beam.dir_low) && finite(beam.dir_high) &&
+           !std::isnan(beam.t_min) && !std::isnan(beam.t_max);
+}
+
 }  // namespace
 
 HWY_EXPORT(TraceClosest);
 HWY_EXPORT(TraceAny);
+HWY_EXPORT(BeamStart);
+
+float beam_start_wide(const Dag& dag, const shared::Bundle& beam, shared::Stop stop) noexcept {
+    const shared::DagView view = shared::view(dag);
+    const bool mixed = glm::any(glm::notEqual(glm::lessThan(beam.dir_low, vec3(0.0f)),
+                                              glm::lessThan(beam.dir_high, vec3(0.0f))));
+    if (mixed || view.depth == 0 || !is_finite(beam)) return beam_start(view, beam, stop);
+    return HWY_DYNAMIC_DISPATCH(BeamStart)(view, beam, stop);
+}
 
 void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
                         std::span<shared::GridHit> hits, WideWalk walk) noexcept {

@@ -34,6 +34,10 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
                         std::span<shared::GridHit> hits,
                         WideWalk walk = WideWalk::by_size) noexcept;
 
+/// shared::beam_start(), the same number, with the eight children of a cell in one test.
+[[nodiscard]] float beam_start_wide(const Dag& dag, const shared::Bundle& beam,
+                                    shared::Stop stop) noexcept;
+
 /// Whether rays that run close together, as those of neighbouring pixels to a lamp do, share their
 /// way through empty space: docs/adr/0027-sheaves-of-shadow-rays.md. The same results.
 enum class Sheaves {
