@@ -2,11 +2,13 @@
 #pragma once
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -19,6 +21,7 @@ struct Outcome {
     int code = 0;  // exit code, or 128 + the signal that ended it
     std::string out;
     std::string err;
+    std::uint64_t peak_bytes = 0;  // resident memory, the most of any one of its processes
 };
 
 inline int exit_code_of(int status) {
@@ -40,8 +43,10 @@ inline Outcome run_shell(const std::filesystem::path& folder, const std::string&
         _exit(127);
     }
     int status = 0;
-    waitpid(child, &status, 0);
-    return {exit_code_of(status), file_content(streams / "out"), file_content(streams / "err")};
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    return {exit_code_of(status), file_content(streams / "out"), file_content(streams / "err"),
+            static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
 }
 
 /// Runs a line that serves the viewer until it says its address, and interrupts it once. Its words
