@@ -261,6 +261,10 @@ export class App {
             restored: () => {
                 if (this.opened) this.load();
             },
+            refused: (why) => {
+                this.loader?.cancel();
+                notice('This GPU cannot draw the scene', why, 'Update the browser or the graphics driver, or run octavo view --render-here.');
+            },
         });
         if (this.gpu) return;
         notice(

@@ -16,6 +16,8 @@ export interface GpuEvents {
     drawn(): void;
     lost(): void;
     restored(): void;
+    /** The GPU's driver cannot do what the viewer needs. */
+    refused(why: string): void;
 }
 
 export class GpuPainter implements Painter {
@@ -49,7 +51,7 @@ export class GpuPainter implements Painter {
 
     private begin(): void {
         this.renderer = new Renderer(this.gl);
-        this.engine = new Engine(this.gl, this.renderer, this.events.drawn);
+        this.engine = new Engine(this.gl, this.renderer, this.events.drawn, (error) => this.events.refused(error.message));
     }
 
     /** Drawn by the processor, where no GPU is. */
@@ -100,10 +102,10 @@ export class GpuPainter implements Painter {
         this.engine?.presentNow();
     }
 
-    pick(view: View, x: number, y: number): Promise<FoundCell | undefined> {
-        const { renderer, canvas } = this;
-        if (!renderer?.ready) return Promise.resolve(undefined);
-        return Promise.resolve(renderer.pick(shotOf(view, this.lamps.place(view), canvas), canvas.width, canvas.height, x, y));
+    async pick(view: View, x: number, y: number): Promise<FoundCell | undefined> {
+        const { canvas } = this;
+        while (this.renderer && !this.renderer.canPick) await new Promise((resolve) => setTimeout(resolve, 50));
+        return this.renderer?.pick(shotOf(view, this.lamps.place(view), canvas), canvas.width, canvas.height, x, y);
     }
 
     picture(): Promise<Blob | undefined> {

@@ -245,9 +245,4 @@ OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, int
     return light;
 }
 
-// The seed of a pixel's rays to its n-th lamp.
-OCTAVO_FN uint lamp_seed(uint pixel_seed, int n) {
-    return pixel_seed ^ (0x02e5be93u + 0x9e3779b9u * uint(n));
-}
-
 OCTAVO_SHARED_END

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // When to draw what. While something moves: one sample of a picture as large as can be drawn 30 times
-// a second. When all rests: the full picture, sample after sample, in strips small enough that the
-// page stays quick. The GPU never has more than one piece of work waiting.
-import type { Canvas, Renderer, Shot } from './renderer';
+// a second. When all rests: larger pictures up to the full one, and of that sample after sample, in
+// strips small enough that the page stays quick. While programs are missing: previews, which sharpen as
+// well. The GPU never has more than one piece of work waiting.
+import type { Canvas } from './canvas';
+import type { Means, Renderer, Shot } from './renderer';
 
 const kFrame = 33; // milliseconds: 30 frames a second
 const kStrip = 24; // for a strip of the picture at rest
@@ -11,9 +13,13 @@ const kStrip = 24; // for a strip of the picture at rest
 const kLeastStrip = 4096;
 const kRestAfter = 180; // without a change
 const kLeastScale = 0.125;
+/** The pictures at rest that come before the full one, of one sample each: where a GPU is slow, that one takes long. */
+const kSteps = [0.25, 0.5];
 const kProbeEvery = 500;
 /** While something moves, each frame makes the normals of one pixel in so many that lack one. */
 const kTurns = 8;
+
+type Work = 'live' | 'rest' | 'program';
 
 export interface Plan {
     shot: Shot;
@@ -39,12 +45,15 @@ export class Engine {
     private rest: Canvas | undefined;
     private restRow = 0; // rows of the next sample that are drawn
     private turn = 0;
-    private stripRows = 16;
-    private scale = 0.5; // of the live picture
+    private stripPixels = kLeastStrip;
+    private scale = kLeastScale; // of the live picture
+    private step = 0; // of kSteps, and behind them the full picture
+    private means: Means = 'none';
+    private drewLast = false; // the last piece of work was no program's
     private changed = -Infinity;
     private liveStale = true;
     private restStale = true;
-    private waiting: { sync: WebGLSync; began: number; pixels: number; rest: boolean } | undefined;
+    private waiting: { sync: WebGLSync; began: number; pixels: number; of: Work } | undefined;
     private pending = 0;
     private frameTimes: number[] = [];
     private probed = 0;
@@ -53,7 +62,6 @@ export class Engine {
     /** What the shortest piece of work takes: the way to the GPU and back, which fewer pixels do not shorten. */
     private overhead = 1000;
     private pixelTimes: { at: number; pixels: number }[] = [];
-    private smoothSeen: boolean;
     private presented: Canvas | undefined;
     private screen = { width: 0, height: 0 };
     private wantsPresent = false;
@@ -62,13 +70,15 @@ export class Engine {
         private readonly gl: WebGL2RenderingContext,
         private readonly renderer: Renderer,
         private readonly onFrame: () => void,
+        private readonly onFault: (error: Error) => void,
     ) {
-        this.smoothSeen = renderer.smoothReady;
+        this.wake(); // for the first programs
     }
 
     /** Something that the picture depends on is new. */
     change(plan: Plan): void {
         this.plan = plan;
+        this.renderer.prepare(plan.shot);
         this.liveStale = true;
         this.restStale = true;
         this.changed = performance.now();
@@ -95,7 +105,7 @@ export class Engine {
 
     /** Has everything been drawn that will be? */
     get finished(): boolean {
-        return !this.plan || (!this.restStale && !!this.rest && this.rest.samples >= this.enough && this.presented === this.rest);
+        return !this.plan || (this.means === 'all' && !this.restStale && this.step === kSteps.length && !!this.rest && this.rest.samples >= this.enough && this.presented === this.rest);
     }
 
     get statistics(): EngineStatistics {
@@ -126,25 +136,50 @@ export class Engine {
 
     private readonly tick = (): void => {
         this.pending = 0;
-        const { gl, plan } = this;
-        if (!plan || gl.isContextLost()) return;
-        if (!this.renderer.ready) return this.wake();
-        if (this.renderer.smoothReady !== this.smoothSeen) {
-            this.smoothSeen = this.renderer.smoothReady;
-            this.liveStale = this.restStale = true;
-        }
-        this.fitScreen();
+        if (this.gl.isContextLost()) return;
         if (this.waiting && !this.collect()) return this.wake();
+        try {
+            // By turns, so that neither waits for ever.
+            if (this.drewLast) this.prepare() || this.draw();
+            else this.draw() || this.prepare();
+        } catch (error) {
+            this.stop();
+            return this.onFault(error as Error);
+        }
+        if (!this.finished || this.waiting || this.renderer.preparing) this.wake();
+        if (this.plan) this.onFrame();
+    };
+
+    /** Takes the programs on. @returns whether the GPU is at work for them now */
+    private prepare(): boolean {
+        if (!this.renderer.prepareMore()) return false;
+        this.drewLast = false;
+        this.submit(0, 'program');
+        return true;
+    }
+
+    /** @returns whether the GPU is at work for a picture now */
+    private draw(): boolean {
+        const { plan } = this;
+        if (!plan) return false;
+        this.fitScreen();
+        const means = this.renderer.means(plan.shot);
+        if (means !== this.means) {
+            this.means = means;
+            this.liveStale = this.restStale = true;
+            this.scale = kLeastScale; // another pace
+        }
+        if (means === 'none') return false;
         this.collectProbe();
         const now = performance.now();
-        const resting = now - this.changed > kRestAfter;
+        const resting = now - this.changed > kRestAfter && means !== 'preview';
         if (!resting && this.liveStale) this.drawLive(plan);
         else if (resting) this.drawRest(plan);
         if (this.wantsPresent && this.presented) this.show(this.presented);
         this.wantsPresent = false;
-        if (!this.finished || this.waiting || !this.smoothSeen) this.wake();
-        this.onFrame();
-    };
+        this.drewLast = this.waiting !== undefined;
+        return this.drewLast;
+    }
 
     private fitScreen(): void {
         const { width, height } = this.gl.canvas;
@@ -157,8 +192,7 @@ export class Engine {
         const width = Math.max(1, Math.round(this.screen.width * scale));
         const height = Math.max(1, Math.round(this.screen.height * scale));
         if (canvas && canvas.width === width && canvas.height === height) return canvas;
-        if (canvas && canvas === this.presented) this.presented = undefined;
-        canvas?.free();
+        if (canvas !== this.presented) canvas?.free(); // else when another is shown
         return this.renderer.makeCanvas(width, height);
     }
 
@@ -180,53 +214,73 @@ export class Engine {
 
     private drawLive(plan: Plan): void {
         this.live = this.sized(this.live, this.scale);
-        this.live.samples = 0;
-        const shot = this.shotFor(plan, this.live);
-        this.renderer.drawBeams(this.live, shot);
-        this.turn += 1;
-        this.renderer.drawRows(this.live, shot, 0, this.live.height, true, this.turn, kTurns);
-        this.renderer.finishSample(this.live);
-        this.show(this.live);
+        const { live } = this;
+        live.restart();
+        const shot = this.shotFor(plan, live);
+        if (this.means === 'preview') {
+            this.renderer.drawPreview(live, shot);
+        } else {
+            this.renderer.drawBeams(live, shot);
+            this.turn += 1;
+            this.renderer.drawRows(live, shot, 0, live.height, true, this.turn, kTurns);
+            live.finishSample();
+        }
+        this.show(live);
         this.liveStale = false;
-        this.submit(this.live.width * this.live.height, false);
+        this.submit(live.width * live.height, 'live');
     }
 
     private drawRest(plan: Plan): void {
-        if (this.restStale || !this.rest) {
-            this.rest = this.sized(this.rest, plan.restScale);
-            this.rest.samples = 0;
-            this.restRow = 0;
+        if (this.restStale) {
             this.restStale = false;
-            this.renderer.drawBeams(this.rest, this.shotFor(plan, this.rest));
+            // What is shown already need not be drawn again.
+            const shown = this.liveStale ? 0 : this.scale;
+            this.step = kSteps.findIndex((part) => part * plan.restScale > 1.2 * shown);
+            if (this.step < 0) this.step = kSteps.length;
+            this.beginRest(plan);
         }
-        const { rest } = this;
+        if (this.step < kSteps.length && this.rest!.samples > 0) {
+            this.step += 1;
+            this.beginRest(plan);
+        }
+        const rest = this.rest!;
         if (rest.samples >= this.enough) {
             if (this.presented !== rest) this.show(rest);
             return;
         }
-        const to = Math.min(rest.height, this.restRow + this.stripRows);
+        const rows = Math.max(1, Math.round(this.stripPixels / rest.width));
+        const to = Math.min(rest.height, this.restRow + rows);
         this.renderer.drawRows(rest, this.shotFor(plan, rest), this.restRow, to, false, 0, 1);
         const pixels = rest.width * (to - this.restRow);
         this.restRow = to;
         if (to === rest.height) {
-            this.renderer.finishSample(rest);
+            rest.finishSample();
             this.restRow = 0;
             this.show(rest);
         }
-        this.submit(pixels, true);
+        this.submit(pixels, 'rest');
+    }
+
+    private beginRest(plan: Plan): void {
+        this.rest = this.sized(this.rest, (kSteps[this.step] ?? 1) * plan.restScale);
+        this.rest.restart();
+        this.restRow = 0;
+        this.renderer.drawBeams(this.rest, this.shotFor(plan, this.rest));
     }
 
     private show(canvas: Canvas): void {
         const { plan } = this;
         if (!plan) return;
         this.renderer.present(canvas, this.screen.width, this.screen.height, plan.exposure, plan.toneMapped);
+        const before = this.presented;
         this.presented = canvas;
+        if (before !== canvas && before !== this.live && before !== this.rest) before?.free();
     }
 
-    private submit(pixels: number, rest: boolean): void {
+    private submit(pixels: number, of: Work): void {
         const sync = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
         this.gl.flush();
-        if (sync) this.waiting = { sync, began: performance.now(), pixels, rest };
+        if (sync) this.waiting = { sync, began: performance.now(), pixels, of };
     }
 
     /** @returns whether the GPU has done the last piece of work */
@@ -237,21 +291,18 @@ export class Engine {
         gl.deleteSync(waiting.sync);
         this.waiting = undefined;
         const now = performance.now();
+        if (waiting.of === 'program') return true;
         const elapsed = now - waiting.began;
         this.overhead = Math.min(this.overhead * 1.01, elapsed);
         const took = Math.max(1, elapsed - 0.9 * this.overhead);
         this.pixelTimes = this.pixelTimes.filter(({ at }) => now - at < 1000);
         this.pixelTimes.push({ at: now, pixels: waiting.pixels });
-        if (waiting.rest) {
-            const rows = this.stripRows * Math.max(0.25, Math.min(2, kStrip / took));
-            const least = Math.ceil(kLeastStrip / (this.rest?.width ?? 1));
-            this.stripRows = Math.max(least, Math.round(rows));
+        if (waiting.of === 'rest') {
+            this.stripPixels = Math.max(kLeastStrip, waiting.pixels * Math.max(0.25, Math.min(2, kStrip / took)));
         } else {
             this.frameTimes = this.frameTimes.filter((time) => now - time < 1000);
             this.frameTimes.push(now);
-            if (took > kFrame) this.scale *= Math.max(0.5, Math.sqrt((0.9 * kFrame) / took));
-            else if (took < 0.6 * kFrame) this.scale *= 1.08;
-            this.scale = Math.max(kLeastScale, Math.min(1, this.scale));
+            this.fitScale(took);
         }
         if (now - this.probed > kProbeEvery && this.presented && this.presented.samples > 0) {
             this.probed = now;
@@ -259,6 +310,15 @@ export class Engine {
             this.probeSamples = this.presented.samples;
         }
         return true;
+    }
+
+    private fitScale(took: number): void {
+        const before = this.scale;
+        if (took > kFrame) this.scale *= Math.max(0.5, Math.sqrt((0.9 * kFrame) / took));
+        else if (took < 0.6 * kFrame) this.scale *= Math.min(1.5, Math.sqrt((0.8 * kFrame) / took));
+        this.scale = Math.max(kLeastScale, Math.min(1, this.scale));
+        // Nothing else sharpens a preview.
+        if (this.means === 'preview' && this.scale > 1.2 * before) this.liveStale = true;
     }
 
     private collectProbe(): void {

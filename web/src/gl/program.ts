@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 
-/** A program that the browser compiles while the page goes on. */
+/** The texture unit of each sampler, the same in all programs, so that textures stay where they are. */
+export const kUnits = {
+    dag_words: 0, hits: 1, cache: 2, sum_before: 3, cell_words: 4, lamp_texels: 5, beam: 6, normals: 7, sum: 8,
+} as const;
+export type Sampler = keyof typeof kUnits;
+
+/** A program that the browser compiles while the page goes on; programs.ts knows when it may be used. */
 export class Program {
     private readonly program: WebGLProgram;
     private readonly shaders: WebGLShader[];
     private readonly uniforms = new Map<string, WebGLUniformLocation | null>();
-    private checked = false;
 
     constructor(
         private readonly gl: WebGL2RenderingContext,
@@ -27,24 +32,28 @@ export class Program {
         gl.linkProgram(this.program);
     }
 
-    /** Asking again costs nothing; without the extension the first use waits for the compiler. */
-    get ready(): boolean {
-        if (this.checked) return true;
-        if (this.parallel === null) return true;
-        return this.gl.getProgramParameter(this.program, this.parallel.COMPLETION_STATUS_KHR) === true;
+    /** Has the compiler finished? Asking waits for nothing; without the extension nobody can tell. */
+    get compiled(): boolean {
+        return this.parallel === null || this.gl.getProgramParameter(this.program, this.parallel.COMPLETION_STATUS_KHR) === true;
     }
 
-    /** @throws Error with the compiler's words */
-    use(): void {
+    /** Makes it ready for use. Waits for the compiler. @throws Error with its words */
+    check(): void {
         const { gl } = this;
-        if (!this.checked && !gl.isContextLost()) {
-            if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) {
-                const log = this.shaders.map((shader) => gl.getShaderInfoLog(shader)).join('\n');
-                throw new Error(`The GPU's compiler refuses a shader: ${gl.getProgramInfoLog(this.program)} ${log}`);
-            }
-            this.checked = true;
+        if (gl.isContextLost()) return;
+        if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) {
+            const log = this.shaders.map((shader) => gl.getShaderInfoLog(shader)).join('\n');
+            throw new Error(`The GPU's compiler refuses a shader: ${gl.getProgramInfoLog(this.program)} ${log}`);
         }
         gl.useProgram(this.program);
+        for (const [sampler, unit] of Object.entries(kUnits)) {
+            const location = gl.getUniformLocation(this.program, sampler);
+            if (location) gl.uniform1i(location, unit);
+        }
+    }
+
+    use(): void {
+        this.gl.useProgram(this.program);
     }
 
     at(name: string): WebGLUniformLocation | null {

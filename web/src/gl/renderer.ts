@@ -7,10 +7,9 @@ import { type CameraUniforms } from '../view/camera';
 import { type PlacedLamps, kLampRow } from '../view/lamps';
 import type { Mode, Shadows } from '../view/settings';
 import type { Vec3 } from '../view/vec';
-import { Program } from './program';
-import {
-    beamText, kVertexText, keepText, keepVertexText, normalText, pickText, presentText, primaryText, shadeText, storedText,
-} from './shader_text';
+import { Canvas, type Target, kBeamBlock, target } from './canvas';
+import { type Program, type Sampler, kUnits } from './program';
+import { type Painting, Programs, type Recipe, kAnyLamp, kCells, kSmooth } from './programs';
 import { WordsTexture } from './words_texture';
 
 /** All that a sample of the picture depends on. */
@@ -22,6 +21,7 @@ export interface Shot {
     cone: number;
     mode: Mode;
     smooth: boolean;
+    cells: boolean; // the scene has colours
     stored?: StoredSky; // shaded by the light of the cells, under this sky
     up: Vec3;
     skySamples: number;
@@ -46,58 +46,24 @@ export interface Pick {
     emission?: Vec3; // radiance, where there is any
 }
 
-const kModeNumbers: Record<Mode, number> = { shaded: 0, normals: 1, levels: 2, steps: 3, color: 4 };
+const kModeNumbers: Record<Mode, number> = { shaded: 0, normals: 1, levels: 2, steps: 3, color: 4 }; // of views.frag
 const kFaceNone = 7;
 const kPickAttachments = [0, 1, 2, 3];
-const kLightArray = 5; // of kCellArrays
-const kBeamBlock = 8;
 const kCacheSide = 1024; // of normals, see hit.glsl
 export const kProbe = 32;
 
-/** A picture under way: two textures that take turns to hold the sum of the samples. */
-export class Canvas {
-    readonly targets: { texture: WebGLTexture; frame: WebGLFramebuffer }[];
-    readonly beam: { texture: WebGLTexture; frame: WebGLFramebuffer };
-    readonly hits: { texture: WebGLTexture; frame: WebGLFramebuffer };
-    readonly normals: { texture: WebGLTexture; frame: WebGLFramebuffer };
-    samples = 0; // whole ones
-    current = 0; // the target that holds them
+const kFirst: Recipe[] = [{ part: 'preview' }, { part: 'present' }];
 
-    constructor(
-        private readonly gl: WebGL2RenderingContext,
-        readonly width: number,
-        readonly height: number,
-        format: number,
-    ) {
-        this.targets = [target(gl, format, width, height), target(gl, format, width, height)];
-        const blocks = [Math.ceil(width / kBeamBlock), Math.ceil(height / kBeamBlock)] as const;
-        this.beam = target(gl, gl.R32UI, ...blocks);
-        this.hits = target(gl, gl.RGBA32UI, width, height);
-        this.normals = target(gl, gl.R32UI, width, height);
-    }
+/** What can be drawn of what was asked for: nothing, a preview, all but smoothed normals, all. */
+export type Means = 'none' | 'preview' | 'faces' | 'all';
 
-    get bytes(): number {
-        return this.width * this.height * (3 * 16 + 4);
-    }
-
-    free(): void {
-        for (const { texture, frame } of [...this.targets, this.beam, this.hits, this.normals]) {
-            this.gl.deleteFramebuffer(frame);
-            this.gl.deleteTexture(texture);
-        }
-    }
-}
-
-function target(gl: WebGL2RenderingContext, format: number, width: number, height: number): { texture: WebGLTexture; frame: WebGLFramebuffer } {
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-    const frame = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    return { texture, frame };
+/** The program that paints the shot. */
+function paintingOf(shot: Shot): { painting: Painting; features: number } {
+    const cells = shot.cells ? kCells : 0;
+    const smooth = shot.smooth && (shot.mode === 'shaded' || shot.mode === 'normals') ? kSmooth : 0;
+    if (shot.mode !== 'shaded') return { painting: 'views', features: cells | smooth };
+    if (shot.stored) return { painting: 'stored', features: kCells | smooth };
+    return { painting: 'shade', features: cells | smooth | (shot.lamps.onlySuns ? 0 : kAnyLamp) };
 }
 
 export class Renderer {
@@ -108,19 +74,13 @@ export class Renderer {
 
     private readonly rowBits: number;
     private readonly format: number;
-    private readonly parallel: KHR_parallel_shader_compile | null;
-    private readonly primary: Program;
-    private readonly normals: Program;
-    private readonly keeper: Program;
-    private readonly shader: Program;
-    private readonly cache: { texture: WebGLTexture; frame: WebGLFramebuffer };
-    private readonly beams: Program;
-    private readonly presenter: Program;
-    private stored: Program | undefined; // made for the first file that has light
+    private readonly programs: Programs;
+    private readonly blank: Canvas; // of one pixel: what new programs draw first
+    private readonly screenLike: Target; // a pixel as the screen's
+    private cacheTarget: Target | undefined; // of normals, see hit.glsl
     private cells: { texture: WordsTexture; layout: CellLayout; ready: boolean } | undefined;
     private readonly noCells: WordsTexture;
     private lamps: { of: PlacedLamps; texture: WebGLTexture } | undefined;
-    private picker: Program | undefined;
     private pickFrame: WebGLFramebuffer | undefined;
     private probeFrame: WebGLFramebuffer | undefined;
     private probing: { buffer: WebGLBuffer; sync: WebGLSync } | undefined;
@@ -132,19 +92,14 @@ export class Renderer {
         const halfs = floats ? null : gl.getExtension('EXT_color_buffer_half_float');
         this.format = floats ? gl.RGBA32F : halfs ? gl.RGBA16F : gl.RGBA8;
         this.mostSamples = floats ? 4096 : halfs ? 64 : 1;
-        this.parallel = gl.getExtension('KHR_parallel_shader_compile');
+        const parallel = gl.getExtension('KHR_parallel_shader_compile');
         const info = gl.getExtension('WEBGL_debug_renderer_info');
         this.name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
         gl.bindVertexArray(gl.createVertexArray());
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-        this.cache = target(gl, gl.RGBA32UI, kCacheSide, kCacheSide);
-        const program = (text: string): Program => new Program(gl, kVertexText, text, this.parallel);
-        this.presenter = program(presentText());
-        this.primary = program(primaryText(this.rowBits));
-        this.beams = program(beamText(this.rowBits));
-        this.shader = program(shadeText(this.rowBits));
-        this.keeper = new Program(gl, keepVertexText(this.rowBits), keepText(), this.parallel);
-        this.normals = program(normalText(this.rowBits));
+        this.programs = new Programs(gl, this.rowBits, parallel, (program, recipe) => this.warm(program, recipe), kFirst);
+        this.blank = this.makeCanvas(1, 1);
+        this.screenLike = target(gl, gl.RGBA8, 1, 1);
         this.noCells = WordsTexture.make(gl, 1, this.rowBits)!;
     }
 
@@ -153,20 +108,75 @@ export class Renderer {
         return /swiftshader|llvmpipe|software|basic render/i.test(this.name);
     }
 
-    /** Can pictures be drawn at all? */
-    get ready(): boolean {
-        return this.presenter.ready && this.primary.ready && this.beams.ready && this.shader.ready && (this.stored?.ready ?? true);
+    /** Announces what is to be drawn, so that the programs for it are made. */
+    prepare(shot: Shot): void {
+        const { painting, features } = paintingOf(shot);
+        const cells = features & kCells;
+        this.programs.want([
+            { part: 'primary' },
+            { painting, features: features & ~kSmooth },
+            { part: 'beam' },
+            ...(features & kSmooth ? ([{ part: 'normals' }, { part: 'keep' }, { painting, features }] as Recipe[]) : []),
+            { part: 'pick' },
+            // One press away, so that it does not wait for the compiler then.
+            { painting: painting === 'views' ? 'shade' : 'views', features: cells },
+        ]);
     }
-    /** What smooths normals takes longest to compile; until then faces are shown as they are. */
-    get smoothReady(): boolean {
-        return this.normals.ready && this.keeper.ready;
+
+    /** Takes the programs on where some are missing. @returns whether the GPU has something to do now */
+    prepareMore(): boolean {
+        return this.programs.busy && this.programs.step();
+    }
+    /** Are programs still being made? */
+    get preparing(): boolean {
+        return this.programs.busy;
+    }
+
+    /** How well a shot can be drawn with the programs that are there. */
+    means(shot: Shot): Means {
+        const { painting, features } = paintingOf(shot);
+        const { programs } = this;
+        if (!programs.part('present')) return 'none';
+        if (!programs.part('primary') || !programs.painter(painting, features & ~kSmooth)) return programs.part('preview') ? 'preview' : 'none';
+        if ((features & kSmooth) === 0) return 'all';
+        return this.smoothing(shot) ? 'all' : 'faces';
+    }
+
+    /** Are normals smoothed, and is all there that it takes? */
+    private smoothing(shot: Shot): boolean {
+        const { painting, features } = paintingOf(shot);
+        const { programs } = this;
+        return (features & kSmooth) !== 0 && !!programs.part('normals') && !!programs.part('keep') && !!programs.painter(painting, features);
+    }
+
+    /** A pixel of a new program. All uniforms are zero, so no ray goes anywhere. */
+    private warm(program: Program, recipe: Recipe): void {
+        const { gl, blank } = this;
+        this.bind('hits', blank.hits.texture);
+        this.bind('normals', blank.normals.texture);
+        this.bind('beam', blank.beam.texture);
+        this.bind('cache', this.cache.texture);
+        this.bind('sum_before', blank.targets[0]!.texture);
+        this.bind('sum', blank.targets[0]!.texture);
+        const part = 'part' in recipe ? recipe.part : 'paint';
+        const frames = { present: this.screenLike, primary: blank.hits, beam: blank.beam, normals: blank.normals, keep: this.cache, paint: blank.targets[1]!, preview: blank.targets[1]! };
+        gl.bindFramebuffer(gl.FRAMEBUFFER, part === 'pick' ? (this.pickFrame ??= this.makePickFrame()) : frames[part as keyof typeof frames].frame);
+        gl.viewport(0, 0, 1, 1);
+        program.use();
+        gl.drawArrays(part === 'keep' ? gl.POINTS : gl.TRIANGLES, 0, part === 'keep' ? 1 : 3);
+    }
+
+    private get cache(): Target {
+        return (this.cacheTarget ??= target(this.gl, this.gl.RGBA32UI, kCacheSide, kCacheSide));
     }
 
     /** Room for so many words of a DAG, in place of what was there. @returns whether there is room */
     reserve(words: number): boolean {
         this.words?.free();
-        this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.cache.frame);
-        this.gl.clearBufferuiv(this.gl.COLOR, 0, [0, 0, 0, 0]);
+        if (this.cacheTarget) {
+            this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.cacheTarget.frame);
+            this.gl.clearBufferuiv(this.gl.COLOR, 0, [0, 0, 0, 0]);
+        }
         this.words = WordsTexture.make(this.gl, words, this.rowBits);
         return this.words !== undefined;
     }
@@ -177,9 +187,6 @@ export class Renderer {
         const texture = WordsTexture.make(this.gl, layout.words, this.rowBits);
         if (!texture) return false;
         this.cells = { texture, layout, ready: false };
-        if (layout.begins[kLightArray] !== undefined) {
-            this.stored ??= new Program(this.gl, kVertexText, storedText(this.rowBits), this.parallel);
-        }
         return true;
     }
     appendCells(words: Uint32Array): void {
@@ -202,19 +209,36 @@ export class Renderer {
         return new Canvas(this.gl, width, height, this.format);
     }
 
+    /** A whole picture, quick and plain. */
+    drawPreview(canvas: Canvas, shot: Shot): void {
+        const { gl } = this;
+        const program = this.programs.part('preview')!;
+        program.use();
+        this.setView(program, canvas.width, canvas.height, shot);
+        gl.uniform3fv(program.at('up'), shot.up);
+        gl.uniform3fv(program.at('sun'), shot.lamps.sun.towards);
+        gl.uniform3fv(program.at('sun_light'), shot.lamps.sun.intensity);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.targets[1 - canvas.current]!.frame);
+        gl.viewport(0, 0, canvas.width, canvas.height);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        canvas.finishSample();
+    }
+
     /** The times before which no ray of a block meets anything. Once, before the first sample. */
     drawBeams(canvas: Canvas, shot: Shot): void {
-        if (!this.beamsPay(shot)) return;
+        const beams = this.programs.part('beam');
+        canvas.hasBeams = beams !== undefined && shot.depth > 0 && shot.camera.before === 0;
+        if (!beams || !canvas.hasBeams) return;
         const { gl } = this;
-        this.beams.use();
-        this.setView(this.beams, canvas.width, canvas.height, shot);
+        beams.use();
+        this.setView(beams, canvas.width, canvas.height, shot);
         gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.beam.frame);
         gl.viewport(0, 0, Math.ceil(canvas.width / kBeamBlock), Math.ceil(canvas.height / kBeamBlock));
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
     /**
-     * Adds rows [from, to) of the next sample. The sample counts once `finishSample` is called.
+     * Adds rows [from, to) of the next sample, which counts once the canvas has finished it.
      *
      * @param turn, turns  of the normals that are missing, those of one pixel in `turns` are made
      */
@@ -223,8 +247,7 @@ export class Renderer {
         gl.viewport(0, 0, canvas.width, canvas.height);
         gl.enable(gl.SCISSOR_TEST);
         gl.scissor(0, from, canvas.width, to - from);
-        const shows = shot.mode === 'shaded' || shot.mode === 'normals';
-        const smooth = shot.smooth && shows && this.smoothReady && shot.depth > 0;
+        const smooth = this.smoothing(shot);
         this.drawHits(canvas, shot, centred, smooth);
         if (smooth) {
             this.drawNormals(canvas, shot, from, turn, turns);
@@ -233,64 +256,67 @@ export class Renderer {
             gl.enable(gl.SCISSOR_TEST);
             gl.viewport(0, 0, canvas.width, canvas.height);
         }
-        this.drawShading(canvas, shot, centred, smooth);
+        this.paint(canvas, shot, centred, smooth);
         gl.disable(gl.SCISSOR_TEST);
     }
 
     private drawHits(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
-        const { gl, primary } = this;
+        const { gl } = this;
+        const primary = this.programs.part('primary')!;
         primary.use();
         this.setView(primary, canvas.width, canvas.height, shot);
         this.setSample(primary, canvas, centred);
-        gl.uniform1i(primary.at('use_beam'), this.beamsPay(shot) ? 1 : 0);
-        this.bind(primary, 'beam', 1, canvas.beam.texture);
+        gl.uniform1i(primary.at('use_beam'), canvas.hasBeams ? 1 : 0);
+        this.bind('beam', canvas.beam.texture);
         gl.uniform1i(primary.at('smoothed'), smooth ? 1 : 0);
-        this.bind(primary, 'cache', 2, this.cache.texture);
+        if (smooth) this.bind('cache', this.cache.texture);
         gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.hits.frame);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
     private drawNormals(canvas: Canvas, shot: Shot, from: number, turn: number, turns: number): void {
-        const { gl, normals } = this;
+        const { gl } = this;
+        const normals = this.programs.part('normals')!;
         normals.use();
-        gl.activeTexture(gl.TEXTURE0);
-        gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.words?.texture ?? null);
-        gl.uniform1i(normals.at('dag_words'), 0);
+        this.bindWords();
         gl.uniform1i(normals.at('depth'), shot.depth);
         gl.uniform1i(normals.at('first_row'), from);
         gl.uniform1i(normals.at('turn'), turn % turns);
         gl.uniform1i(normals.at('turns'), turns);
-        this.bind(normals, 'hits', 1, canvas.hits.texture);
+        this.bind('hits', canvas.hits.texture);
         gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.normals.frame);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
     private keepNormals(canvas: Canvas, from: number, to: number): void {
-        const { gl, keeper } = this;
+        const { gl } = this;
+        const keeper = this.programs.part('keep')!;
         keeper.use();
         gl.uniform1i(keeper.at('first_row'), from);
-        this.bind(keeper, 'hits', 1, canvas.hits.texture);
-        this.bind(keeper, 'normals', 2, canvas.normals.texture);
+        this.bind('hits', canvas.hits.texture);
+        this.bind('normals', canvas.normals.texture);
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.cache.frame);
         gl.viewport(0, 0, kCacheSide, kCacheSide);
         gl.drawArrays(gl.POINTS, 0, canvas.width * (to - from));
     }
 
-    private drawShading(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
+    private paint(canvas: Canvas, shot: Shot, centred: boolean, smooth: boolean): void {
         const { gl } = this;
-        const stored = shot.mode === 'shaded' && shot.stored && this.cells?.ready ? this.stored : undefined;
-        const shader = stored ?? this.shader;
-        shader.use();
-        this.setView(shader, canvas.width, canvas.height, shot);
-        this.setSample(shader, canvas, centred);
-        if (stored) this.setStoredSky(stored, shot.stored!, shot.up);
-        else this.setShading(shader, shot);
-        this.setCells(shader);
-        gl.uniform1i(shader.at('first'), canvas.samples === 0 ? 1 : 0);
-        gl.uniform1i(shader.at('smoothed'), smooth ? 1 : 0);
-        this.bind(shader, 'hits', 1, canvas.hits.texture);
-        this.bind(shader, 'cache', 2, this.cache.texture);
-        this.bind(shader, 'sum_before', 3, canvas.targets[canvas.current]!.texture);
+        const { painting, features } = paintingOf(shot);
+        const program = this.programs.painter(painting, smooth ? features : features & ~kSmooth)!;
+        program.use();
+        this.setView(program, canvas.width, canvas.height, shot);
+        this.setSample(program, canvas, centred);
+        gl.uniform3fv(program.at('up'), shot.up);
+        if (painting === 'stored') this.setStoredSky(program, shot.stored!);
+        else if (painting === 'views') this.setViews(program, shot);
+        else this.setShading(program, shot);
+        this.setCells(program);
+        gl.uniform1i(program.at('first'), canvas.samples === 0 ? 1 : 0);
+        gl.uniform1i(program.at('smoothed'), smooth ? 1 : 0);
+        this.bind('hits', canvas.hits.texture);
+        if (smooth) this.bind('cache', this.cache.texture);
+        this.bind('sum_before', canvas.targets[canvas.current]!.texture);
         gl.bindFramebuffer(gl.FRAMEBUFFER, canvas.targets[1 - canvas.current]!.frame);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
@@ -300,17 +326,12 @@ export class Renderer {
         this.gl.uniform1i(program.at('sample_number'), canvas.samples);
     }
 
-    finishSample(canvas: Canvas): void {
-        canvas.current = 1 - canvas.current;
-        canvas.samples += 1;
-    }
-
     present(canvas: Canvas, width: number, height: number, exposure: number, toneMapped: boolean): void {
         const { gl } = this;
-        const program = this.presenter;
+        const program = this.programs.part('present')!;
         program.use();
-        this.bind(program, 'sum', 1, canvas.targets[canvas.current]!.texture);
-        gl.uniform1f(program.at('samples'), Math.max(1, canvas.samples));
+        this.bind('sum', canvas.targets[canvas.current]!.texture);
+        gl.uniform1f(program.at('samples'), Math.max(1, canvas.shown));
         gl.uniform1f(program.at('exposure'), 2 ** exposure);
         gl.uniform1i(program.at('tone_mapped'), toneMapped ? 1 : 0);
         gl.uniform2f(program.at('canvas'), width, height);
@@ -319,16 +340,21 @@ export class Renderer {
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
+    /** Is the program for pick() there? */
+    get canPick(): boolean {
+        return this.programs.part('pick') !== undefined;
+    }
+
     /** What is behind a pixel of the picture. Waits for the GPU. */
     pick(shot: Shot, width: number, height: number, x: number, y: number): Pick | undefined {
-        if (shot.depth === 0 || shot.camera.seesNothing) return undefined;
+        const picker = this.programs.part('pick');
+        if (!picker || shot.depth === 0 || shot.camera.seesNothing) return undefined;
         const { gl } = this;
-        this.picker ??= new Program(gl, kVertexText, pickText(this.rowBits), this.parallel);
         this.pickFrame ??= this.makePickFrame();
-        this.picker.use();
-        this.setView(this.picker, width, height, shot);
-        this.setCells(this.picker);
-        gl.uniform2i(this.picker.at('picked'), Math.floor(x), Math.floor(y));
+        picker.use();
+        this.setView(picker, width, height, shot);
+        this.setCells(picker);
+        gl.uniform2i(picker.at('picked'), Math.floor(x), Math.floor(y));
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.pickFrame);
         gl.viewport(0, 0, 1, 1);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -385,22 +411,20 @@ export class Renderer {
         return rays / (kProbe * kProbe);
     }
 
-    private beamsPay(shot: Shot): boolean {
-        return shot.depth > 0 && shot.camera.before === 0;
+    private bind(sampler: Sampler, texture: WebGLTexture): void {
+        this.gl.activeTexture(this.gl.TEXTURE0 + kUnits[sampler]);
+        this.gl.bindTexture(this.gl.TEXTURE_2D, texture);
     }
 
-    private bind(program: Program, sampler: string, unit: number, texture: WebGLTexture): void {
-        this.gl.activeTexture(this.gl.TEXTURE0 + unit);
-        this.gl.bindTexture(this.gl.TEXTURE_2D, texture);
-        this.gl.uniform1i(program.at(sampler), unit);
+    private bindWords(): void {
+        this.gl.activeTexture(this.gl.TEXTURE0 + kUnits.dag_words);
+        this.gl.bindTexture(this.gl.TEXTURE_2D_ARRAY, this.words?.texture ?? null);
     }
 
     private setView(program: Program, width: number, height: number, shot: Shot): void {
         const { gl } = this;
         const { camera } = shot;
-        gl.activeTexture(gl.TEXTURE0);
-        gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.words?.texture ?? null);
-        gl.uniform1i(program.at('dag_words'), 0);
+        this.bindWords();
         gl.uniform2i(program.at('picture'), width, height);
         gl.uniform1i(program.at('depth'), camera.seesNothing ? 0 : shot.depth);
         gl.uniform3iv(program.at('eye_cell'), camera.cell);
@@ -416,14 +440,16 @@ export class Renderer {
 
     private setShading(program: Program, shot: Shot): void {
         const { gl } = this;
-        gl.uniform1i(program.at('mode'), kModeNumbers[shot.mode]);
-        gl.uniform3fv(program.at('up'), shot.up);
-        gl.uniform1f(program.at('depth_levels'), shot.gridDepth);
         gl.uniform1i(program.at('sky_samples'), shot.skySamples);
         gl.uniform1f(program.at('sky_radius'), shot.skyRadius);
         gl.uniform1i(program.at('shadows'), { none: 0, hard: 1, soft: 2 }[shot.shadows]);
         gl.uniform1i(program.at('lamp_count'), shot.lamps.count);
-        this.bind(program, 'lamp_texels', 5, this.lampTexture(shot.lamps));
+        this.bind('lamp_texels', this.lampTexture(shot.lamps));
+    }
+
+    private setViews(program: Program, shot: Shot): void {
+        this.gl.uniform1i(program.at('mode'), kModeNumbers[shot.mode]);
+        this.gl.uniform1f(program.at('depth_levels'), shot.gridDepth);
     }
 
     private lampTexture(lamps: PlacedLamps): WebGLTexture {
@@ -441,9 +467,8 @@ export class Renderer {
     private setCells(program: Program): void {
         const { gl } = this;
         const cells = this.cells?.ready ? this.cells : undefined;
-        gl.activeTexture(gl.TEXTURE4);
+        gl.activeTexture(gl.TEXTURE0 + kUnits.cell_words);
         gl.bindTexture(gl.TEXTURE_2D_ARRAY, (cells?.texture ?? this.noCells).texture);
-        gl.uniform1i(program.at('cell_words'), 4);
         gl.uniform1i(program.at('cell_level'), cells?.layout.level ?? 0);
         const begins = cells?.layout.begins ?? [];
         const has = [1, 2, 3, 4].reduce((bits, i) => bits | (begins[i] === undefined ? 0 : 1 << (i - 1)), 0);
@@ -451,12 +476,11 @@ export class Renderer {
         gl.uniform1uiv(program.at('cell_begins'), [0, 1, 2, 3, 4, 5].map((i) => begins[i] ?? 0));
     }
 
-    private setStoredSky(program: Program, sky: StoredSky, up: Vec3): void {
+    private setStoredSky(program: Program, sky: StoredSky): void {
         const { gl } = this;
         gl.uniform1i(program.at('sky_kind'), sky.kind);
         gl.uniform1f(program.at('sky_factor'), sky.factor);
         gl.uniform3fv(program.at('sky_colors'), sky.colors.flat());
-        gl.uniform3fv(program.at('up'), up);
     }
 
     private makePickFrame(): WebGLFramebuffer {

@@ -19,7 +19,11 @@ import cellLight from '../../../src/octavo/light/cell_light.h?raw';
 import lampTriangle from '../../../src/octavo/light/lamp_triangle.h?raw';
 import lampLight from '../../../src/octavo/light/lamp_light.h?raw';
 import lampTexels from '../shaders/lamps.glsl?raw';
-import placedLamp from '../shaders/placed_lamp.glsl?raw';
+import anyLamps from '../shaders/any_lamps.glsl?raw';
+import sunLamps from '../shaders/sun_lamps.glsl?raw';
+import flatSurface from '../shaders/flat_surface.glsl?raw';
+import smoothSurface from '../shaders/smooth_surface.glsl?raw';
+import clayLooks from '../shaders/clay_looks.glsl?raw';
 import dag from '../shaders/dag.glsl?raw';
 import cells from '../shaders/cells.glsl?raw';
 import looks from '../shaders/looks.glsl?raw';
@@ -34,6 +38,8 @@ import keepVertex from '../shaders/keep.vert?raw';
 import keepMain from '../shaders/keep.frag?raw';
 import normalMain from '../shaders/normal.frag?raw';
 import shadeMain from '../shaders/shade.frag?raw';
+import viewsMain from '../shaders/views.frag?raw';
+import previewMain from '../shaders/preview.frag?raw';
 import pickMain from '../shaders/pick.frag?raw';
 import presentMain from '../shaders/present.frag?raw';
 
@@ -70,14 +76,32 @@ export function keepText(): string {
     return `${kVersion}${kPrecision}${keepMain}`;
 }
 
-const kLooks = [shading, cells, cellRank, cellValue, cellLooks, looks];
-
-export function shadeText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, lampTriangle, lampTexels, lampLight, placedLamp, ...kLooks, shadeMain]);
+/** What a program is to have; it is smaller without. */
+export interface Parts {
+    smooth: boolean; // normals of the cache
+    cells: boolean; // looks of the file's cells
+    anyLamp: boolean; // else suns only
 }
 
-export function storedText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, ...kLooks, cellLight, skyPixels, skyRadiance, storedMain]);
+const kLooks = [cells, cellRank, cellValue, cellLooks, looks];
+const surfaceOf = ({ smooth }: Parts): string => (smooth ? smoothSurface : flatSurface);
+const looksOf = ({ cells }: Parts): string[] => (cells ? kLooks : [clayLooks]);
+const lampsOf = ({ anyLamp }: Parts): string[] => [lampTriangle, lampTexels, ...(anyLamp ? [lampLight, anyLamps] : [sunLamps])];
+
+export function shadeText(rowBits: number, parts: Parts): string {
+    return assemble(rowBits, [...kTrace, ambientOcclusion, shadow, shading, surfaceOf(parts), ...looksOf(parts), ...lampsOf(parts), shadeMain]);
+}
+
+export function viewsText(rowBits: number, parts: Parts): string {
+    return assemble(rowBits, [...kTrace, shading, surfaceOf(parts), ...looksOf(parts), viewsMain]);
+}
+
+export function storedText(rowBits: number, parts: Parts): string {
+    return assemble(rowBits, [...kTrace, shading, surfaceOf(parts), ...kLooks, cellLight, skyPixels, skyRadiance, storedMain]);
+}
+
+export function previewText(rowBits: number): string {
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, surface, view, shading, previewMain]);
 }
 
 export function beamText(rowBits: number): string {
@@ -85,7 +109,7 @@ export function beamText(rowBits: number): string {
 }
 
 export function pickText(rowBits: number): string {
-    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, ...kLooks, pickMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, shading, ...kLooks, pickMain]);
 }
 
 export function presentText(): string {

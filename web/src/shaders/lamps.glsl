@@ -10,6 +10,10 @@ vec4 lamp_floats(int number) {
     return uintBitsToFloat(lamp_texel(number));
 }
 
+vec3 lamp_intensity(int number) {
+    return lamp_floats(9 * number + 8).xyz;
+}
+
 struct LampTriangles {
     int begin;  // texel
 };

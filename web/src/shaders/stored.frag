@@ -1,9 +1,8 @@
-// The light stored for cells, and no other: octavo::render_lit with Lighting::cached.
+// The light stored for cells, and no other: octavo::render_lit with Lighting::cached. Include after
+// one surface text and looks.glsl.
 uniform highp usampler2D hits;
-uniform highp usampler2D cache;      // see hit.glsl
 uniform highp sampler2D sum_before;  // of the samples before this one
 uniform bool first;                  // there is none
-uniform bool smoothed;
 uniform int sky_kind;  // of sky_radiance.h
 uniform float sky_factor;
 uniform vec3 sky_colors[3];  // zenith, horizon, ground
@@ -33,12 +32,8 @@ vec4 picture_of(DagView dag, GridRay ray, GridHit hit) {
     vec3 towards = vec3(0.0);
     towards[seen / 2] = (seen & 1) == 1 ? 1.0 : -1.0;
     CellLook look = seen_look(dag, hit, towards);
-    SurfacePoint point = flat_point(ray, hit, 0u);
-    GridRay surface = surface_ray(point);
-    if (smoothed && hit.face < kFaceInside) {
-        uvec4 slot = texelFetch(cache, slot_of(hit), 0);
-        if (slot.xyz == slot_key(hit)) point = smoothed_point(dag, ray, hit, unpack_normal(slot.w), 0u);
-    }
+    GridRay surface = surface_ray(flat_point(ray, hit, 0u));
+    SurfacePoint point = surface_point(dag, ray, hit, 0u);
     LightView light;
     light.begin = cell_begins[5];
     vec3 arriving = cached_light(dag, cell_looks().cells, light, surface, point, hit.face);

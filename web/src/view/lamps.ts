@@ -19,6 +19,8 @@ export const kLampRow = 256; // texels of a row
 export interface PlacedLamps {
     count: number;
     texels: Uint32Array<ArrayBuffer>; // whole rows
+    onlySuns: boolean;
+    sun: { towards: Vec3; intensity: Vec3 }; // the first one; black where there is none
 }
 
 const kKinds: Record<string, number> = { sun: kSun, point: kPoint, spot: kPoint, disc: kPatch, rectangle: kPatch, mesh: kMesh };
@@ -82,7 +84,13 @@ export function placeLamps(lights: StoredLight[], grid: Grid): PlacedLamps {
         writer.setFloats(at + 8, light.intensity);
         if (kind === kMesh) next = placeTriangles(writer, light, at, next, toGrid);
     });
-    return { count: lights.length, texels: writer.words };
+    const sun = lights.find(({ kind }) => kind === 'sun');
+    return {
+        count: lights.length,
+        texels: writer.words,
+        onlySuns: lights.every(({ kind }) => kind === 'sun'),
+        sun: { towards: sun ? scale(-1, sun.direction) : [0, 1, 0], intensity: sun?.intensity ?? [0, 0, 0] },
+    };
 }
 
 /** @returns the texel behind the last triangle */

@@ -37,6 +37,7 @@ export function shotOf({ scene, camera, settings, axes }: View, lamps: PlacedLam
         cone: settings.detail * uniforms.pitch,
         mode: settings.mode,
         smooth: settings.smooth,
+        cells: scene.metadata.attributes !== undefined,
         stored: settings.stored && hasStoredLight(scene) ? storedSky(scene.metadata.storedLight!.sky) : undefined,
         up: axes.y,
         skySamples: settings.ambient ? 4 : 0,

@@ -66,6 +66,21 @@ describe('the picture', () => {
         expect(faults).toEqual([]);
     });
 
+    it('is there as a preview before the programs that shade are compiled', async () => {
+        const watch = `
+            const p = WebGL2RenderingContext.prototype;
+            const { linkProgram, bindFramebuffer, drawArrays } = p;
+            let linked = 0;
+            let toScreen = true;
+            p.linkProgram = function (program) { linked += 1; return linkProgram.call(this, program); };
+            p.bindFramebuffer = function (which, frame) { toScreen = frame === null; return bindFramebuffer.call(this, which, frame); };
+            p.drawArrays = function (...what) { if (toScreen) window.linkedAtFirst ??= linked; return drawArrays.apply(this, what); };`;
+        const { page, faults } = await open(`${await view(courtyard())}#${quick}`, 800, 240, watch);
+        await rest(page);
+        expect(await page.evaluate('window.linkedAtFirst')).toBe(2);
+        expect(faults).toEqual([]);
+    });
+
     it('shows coarse levels while fine ones are on their way', async () => {
         const site = join(folder, 'slow');
         const large = join(folder, 'large.octv');
@@ -314,6 +329,14 @@ describe('the machine', () => {
         await page.waitForFunction(() => document.querySelector('#toast')!.textContent!.includes('reset'));
         await rest(page);
         expect(difference(before, await saved(page)).mean).toBeLessThan(0.05);
+    });
+
+    it('may have a compiler that refuses a program, which is said', async () => {
+        const refuse = 'const { shaderSource } = WebGL2RenderingContext.prototype; WebGL2RenderingContext.prototype.shaderSource = function (shader, text) { return shaderSource.call(this, shader, text.includes("sky_samples_seen") ? `${text} ?` : text); };';
+        const { page, faults } = await open(`${await view(courtyard())}#${quick}`, 800, 240, refuse);
+        await page.locator('#notice').waitFor();
+        expect(await text(page, '#notice-text')).toMatch(/compiler refuses/);
+        expect(faults).toEqual([]);
     });
 
     it('may lack WebGL 2, which is said', async () => {

@@ -1,8 +1,4 @@
-// One lamp out of the texture, as octavo::Lamp places it. Include after lamp_light.h.
-vec3 lamp_intensity(int number) {
-    return lamp_floats(9 * number + 8).xyz;
-}
-
+// A lamp of any kind out of the texture, as octavo::Lamp places it. Include after lamp_light.h.
 PlacedLamp placed_lamp(int number) {
     int at = 9 * number;
     uvec4 head = lamp_texel(at);
@@ -29,4 +25,14 @@ PlacedLamp placed_lamp(int number) {
         lamp.v = disc.v;
     }
     return lamp;
+}
+
+LampSample lamp_towards(int number, GridRay start, SurfacePoint point, bool soft, int i) {
+    PlacedLamp lamp = placed_lamp(number);
+    SeenPlacedLamp seen = see_lamp(lamp, start, point.face, point.normal, soft ? 0 : 1);
+    LampSample none;
+    none.ray = start;
+    none.light = 0.0;
+    if (seen.dark != 0) return none;
+    return lamp_sample(lamp, seen, i, lamp_seed(point.seed, number));
 }
