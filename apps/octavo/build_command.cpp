@@ -24,7 +24,6 @@
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
-#include "octavo/mesh/decode_textures.h"
 #include "output.h"
 #include "progress_meter.h"
 #include "scene_input.h"
@@ -231,8 +230,8 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     Stopwatch watch;
 
     meter.begin_phase("import");
-    Scene scene = import_scene(arguments.input);
-    with_threads(options.threads, [&] { decode_textures(scene, WantedTextures::cut_outs); });
+    Scene scene;
+    with_threads(options.threads, [&] { scene = import_scene(arguments.input); });
     times.import_seconds = watch.lap();
     throw_if_interrupted();
     meter.finish();

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "octavo/mesh/decode_textures.h"
 #include "octavo/mesh/load.h"
 #include "octavo/mesh/samples.h"
 
@@ -15,8 +16,10 @@ constexpr std::string_view kSamplePrefix = "sample:";
 }  // namespace
 
 Scene read_scene(const std::string& input) {
-    if (input.starts_with(kSamplePrefix)) return make_sample(input.substr(kSamplePrefix.size()));
-    return load_scene(input);
+    Scene scene = input.starts_with(kSamplePrefix) ? make_sample(input.substr(kSamplePrefix.size()))
+                                                   : load_scene(input);
+    decode_textures(scene, WantedTextures::cut_outs);
+    return scene;
 }
 
 std::string source_name(const std::string& input) {

@@ -7,7 +7,8 @@
 
 namespace octavo::cli {
 
-/// The scene that an argument names: a file, or sample:NAME for a built-in one.
+/// The scene that an argument names: a file, or sample:NAME for a built-in one; with those of its
+/// textures decoded that make holes in surfaces.
 /// @throws Error  as load_scene() and make_sample() do
 [[nodiscard]] Scene read_scene(const std::string& input);
 

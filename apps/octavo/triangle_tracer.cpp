@@ -8,18 +8,113 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <vector>
+
+#include "octavo/mesh/hole_maps.h"
 
 namespace octavo::cli {
+namespace {
+
+/// A triangle with holes, and where its corners are in the texture, in pixels.
+struct HoledTriangle {
+    const OpacityMap* map;  // none: all of it is hole
+    std::array<glm::dvec2, 3> corners;
+
+    /// @param u, v  weights of the second and the third corner
+    [[nodiscard]] bool is_hole(float u, float v) const {
+        if (!map) return true;
+        const glm::dvec2 place = corners[0] + static_cast<double>(u) * (corners[1] - corners[0]) +
+                                 static_cast<double>(v) * (corners[2] - corners[0]);
+        // As for voxels: coordinates that are no number, or too far out to count, say nothing.
+        constexpr double kFarthest = 1e15;
+        if (!(std::max(std::abs(place.x), std::abs(place.y)) < kFarthest)) return false;
+        const OpacityMap::Pixel pixel = {static_cast<std::int64_t>(std::floor(place.x)),
+                                         static_cast<std::int64_t>(std::floor(place.y))};
+        return map->find(pixel, pixel).hole;
+    }
+};
+
+/// Embree asks this of each hit on a geometry of holed triangles.
+void leave_out_holes(const RTCFilterFunctionNArguments* hits) {
+    const auto* triangles = static_cast<const HoledTriangle*>(hits->geometryUserPtr);
+    for (unsigned i = 0; i < hits->N; ++i)
+        if (hits->valid[i] != 0 &&
+            triangles[RTCHitN_primID(hits->hit, hits->N, i)].is_hole(
+                RTCHitN_u(hits->hit, hits->N, i), RTCHitN_v(hits->hit, hits->N, i)))
+            hits->valid[i] = 0;
+}
+
+HoledTriangle holed_triangle(const Scene& scene, std::size_t triangle, const OpacityMap* map) {
+    HoledTriangle holed{map, {}};
+    if (!map) return holed;
+    const uvec3& t = scene.triangles[triangle];
+    const glm::dvec2 size(map->width(), map->height());
+    for (int i = 0; i < 3; ++i)
+        holed.corners[static_cast<unsigned>(i)] =
+            glm::dvec2(scene.texture_coordinates[t[i]]) * size;
+    return holed;
+}
+
+}  // namespace
 
 struct TriangleTracer::Impl {
-    RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
-
+    explicit Impl(const Scene& of) : holes(of) {
+        if (device == nullptr) throw Error(Errc::unsupported, "Embree does not start here");
+        // Embree reads 16 bytes at each position.
+        RTCBuffer positions =
+            rtcNewBuffer(device, of.positions.size() * sizeof(vec3) + 16 - sizeof(vec3));
+        if (positions == nullptr) refuse();
+        std::ranges::transform(of.positions, static_cast<vec3*>(rtcGetBufferData(positions)),
+                               [](const dvec3& p) { return vec3(p); });
+        std::vector<uvec3> solid, with_holes;
+        for (std::size_t i = 0; i < of.triangles.size(); ++i) {
+            const HoleMaps::Holes of_this = holes.of(i);
+            (of_this.any ? with_holes : solid).push_back(of.triangles[i]);
+            if (of_this.any) holed.push_back(holed_triangle(of, i, of_this.map));
+        }
+        // Apart, since all hits of a geometry are asked about.
+        attach(positions, of.positions.size(), solid);
+        attach(positions, of.positions.size(), with_holes, holed.data());
+        rtcReleaseBuffer(positions);
+        rtcCommitScene(scene);
+    }
     ~Impl() {
         rtcReleaseScene(scene);
         rtcReleaseDevice(device);
     }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    void attach(RTCBuffer positions, std::size_t position_count, const std::vector<uvec3>& some,
+                HoledTriangle* holed_triangles = nullptr) const {
+        if (some.empty()) return;
+        RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0,
+                             sizeof(vec3), position_count);
+        auto* triangles = static_cast<uvec3*>(rtcSetNewGeometryBuffer(
+            mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), some.size()));
+        if (triangles == nullptr) refuse();
+        std::ranges::copy(some, triangles);
+        if (holed_triangles != nullptr) {
+            rtcSetGeometryUserData(mesh, holed_triangles);
+            rtcSetGeometryIntersectFilterFunction(mesh, leave_out_holes);
+            rtcSetGeometryOccludedFilterFunction(mesh, leave_out_holes);
+        }
+        rtcCommitGeometry(mesh);
+        rtcAttachGeometry(scene, mesh);
+        rtcReleaseGeometry(mesh);
+    }
+    [[noreturn]] static void refuse() {
+        throw Error(Errc::limit, "Embree has no room for the triangles");
+    }
+
+    HoleMaps holes;
+    std::vector<HoledTriangle> holed;
+    RTCDevice device = rtcNewDevice(nullptr);
+    RTCScene scene = device == nullptr ? nullptr : rtcNewScene(device);
 };
 
 namespace {
@@ -71,24 +166,7 @@ void for_each_packet(std::size_t count, const Visit& visit) {
 
 }  // namespace
 
-TriangleTracer::TriangleTracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
-    impl_->device = rtcNewDevice(nullptr);
-    if (impl_->device == nullptr) throw Error(Errc::unsupported, "Embree does not start here");
-    impl_->scene = rtcNewScene(impl_->device);
-    RTCGeometry mesh = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(
-        mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), scene.positions.size()));
-    auto* triangles = static_cast<uvec3*>(rtcSetNewGeometryBuffer(
-        mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), scene.triangles.size()));
-    if (positions == nullptr || triangles == nullptr)
-        throw Error(Errc::limit, "Embree has no room for the triangles");
-    std::ranges::transform(scene.positions, positions, [](const dvec3& p) { return vec3(p); });
-    std::ranges::copy(scene.triangles, triangles);
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(impl_->scene, mesh);
-    rtcReleaseGeometry(mesh);
-    rtcCommitScene(impl_->scene);
-}
+TriangleTracer::TriangleTracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 
 TriangleTracer::~TriangleTracer() = default;
 

@@ -23,12 +23,14 @@ struct TriangleHit {
     vec3 normal;  // of the triangle, any length and side
 };
 
-/// Embree 3 on the triangles of a scene: what voxels are measured against. Present where the
-/// program was built with Embree (package libembree-dev).
+/// Embree 3 on the triangles of a scene: what voxels are measured against. Where alpha makes holes
+/// in them rays go through, as they do in the voxels. Present where the program was built with
+/// Embree (package libembree-dev).
 class TriangleTracer {
 public:
     enum class Width { one, sixteen };  // rays for each call of Embree
 
+    /// @param scene   textures with holes are decoded, as read_scene() leaves them
     /// @throws Error  unsupported where the program was built without Embree
     explicit TriangleTracer(const Scene& scene);
     ~TriangleTracer();

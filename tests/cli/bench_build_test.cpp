@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/run_command.h"
+#include "octavo/mesh/save.h"
+#include "support/holed_square.h"
 
 namespace octavo::test {
 namespace {
@@ -39,6 +41,19 @@ TEST(BenchBuild, CountsWhatInfoCountsAndGivesEveryRun) {
     EXPECT_EQ(seconds.at("least"), runs.front());
     EXPECT_EQ(seconds.at("most"), runs.back());
     EXPECT_DOUBLE_EQ(seconds.at("median").get<double>(), (runs[1] + runs[2]) / 2);
+}
+
+TEST(BenchBuild, MeasuresTheVoxelsThatABuildMakesOfHoles) {
+    const TemporaryFolder folder;
+    save_scene(holed_square(), folder / "a.glb");
+    const Outcome bench =
+        run_shell(folder.path(), "octavo bench build a.glb --resolutions 128 --repeat 1 --json");
+    ASSERT_EQ(bench.code, 0) << bench.err;
+    const Outcome built = run_shell(
+        folder.path(), "octavo build a.glb -o a.octv -r 128 -q && octavo info a.octv --json");
+    ASSERT_EQ(built.code, 0) << built.err;
+    EXPECT_EQ(Json::parse(bench.out).at("scenes").at(0).at("rows").at(0).at("voxels"),
+              Json::parse(built.out).at("voxels"));
 }
 
 TEST(BenchBuild, NamesASceneByItsGeometry) {

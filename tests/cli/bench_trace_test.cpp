@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/run_command.h"
+#include "octavo/mesh/save.h"
+#include "support/holed_square.h"
 
 namespace octavo::test {
 namespace {
@@ -68,6 +70,25 @@ TEST(BenchTrace, AgreesWithEmbreeAboutMostRays) {
         EXPECT_GT(row.at("agreed").get<double>(), 0.5 * row.at("rays").get<double>()) << kind;
         EXPECT_GT(row.at("median").at("embree16"), 0.0);
     }
+}
+
+TEST(BenchTrace, EmbreeSeesTheHolesThatTheVoxelsHave) {
+    const TemporaryFolder folder;
+    save_scene(holed_square(), folder / "holes.glb");
+    write_file(folder / "front.json", R"({"frames": 1, "cameras": [
+        {"eye": [8, 8, 20], "at": [8.01, 8, 3], "fov": 45}, {"eye": [8, 8, 20], "at": [8, 8, 3]}]})");
+    ASSERT_EQ(run_shell(folder.path(), "octavo build holes.glb -o holes.octv -r 512 -q").code, 0);
+    const Outcome outcome = run_shell(folder.path(),
+                                      "octavo bench trace holes.octv --mesh holes.glb "
+                                      "--path front.json --size 64 --threads 2 --json");
+    if (outcome.err.find("built without Embree") != std::string::npos)
+        GTEST_SKIP() << "no Embree (libembree-dev)";
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Json row = Json::parse(outcome.out).at("mrays_per_second").at("primary");
+    const double rays = row.at("rays");
+    EXPECT_LT(row.at("hits").get<double>(), 0.75 * rays);
+    EXPECT_GT(row.at("hits").get<double>(), 0.4 * rays);
+    EXPECT_GT(row.at("agreed").get<double>(), 0.9 * rays);
 }
 
 TEST(BenchTrace, AgreesWithNanovdbAboutNearlyAllRays) {
