@@ -29,7 +29,7 @@ constexpr int kTileTop = kTileDepth - 2;  // height of a tile's root
 struct Prepared {
     Scene scene;
     TriangleSource source;
-    std::vector<std::vector<LeafBlock>> leaves;
+    std::vector<TileOctree> octrees;
     std::vector<NodeStore> parts;
     std::vector<std::uint32_t> codes;  // where each part is, in tiles
     std::uint64_t leaf_count = 0;
@@ -39,15 +39,14 @@ struct Prepared {
           source(scene, smallest_cube(scene.bounds(), kDepth), VoxelRule::conservative,
                  kTileDepth) {
         ReduceScratch scratch;
-        OctreeCounts counts;
         for (std::size_t i = 0; i < source.tiles().size(); ++i) {
-            std::vector<LeafBlock> blocks;
-            source.voxelize(i, blocks);
-            if (blocks.empty()) continue;
-            leaf_count += blocks.size();
+            TileOctree octree;
+            source.voxelize(i, octree);
+            if (octree.empty()) continue;
+            leaf_count += octree.leaves.size();
             parts.emplace_back(kTileTop);
-            reduce_leaves(parts.back(), blocks, scratch, counts);
-            leaves.push_back(std::move(blocks));
+            reduce_tile(parts.back(), octree, scratch);
+            octrees.push_back(std::move(octree));
             codes.push_back(static_cast<std::uint32_t>(source.tiles()[i]));
         }
     }
@@ -66,11 +65,11 @@ void set_rate(benchmark::State& state, const Prepared& scene) {
 
 void voxelize(benchmark::State& state, const std::string& name) {
     const Prepared& scene = prepared(name);
-    std::vector<LeafBlock> blocks;
+    TileOctree octree;
     for ([[maybe_unused]] auto iteration : state)
         for (std::size_t i = 0; i < scene.source.tiles().size(); ++i) {
-            scene.source.voxelize(i, blocks);
-            benchmark::DoNotOptimize(blocks.data());
+            scene.source.voxelize(i, octree);
+            benchmark::DoNotOptimize(octree.leaves.data());
         }
     set_rate(state, scene);
 }
@@ -79,11 +78,10 @@ void reduce_tiles(benchmark::State& state, const std::string& name) {
     const Prepared& scene = prepared(name);
     NodeStore part(kTileTop);
     ReduceScratch scratch;
-    OctreeCounts counts;
     for ([[maybe_unused]] auto iteration : state)
-        for (const std::vector<LeafBlock>& blocks : scene.leaves) {
+        for (const TileOctree& octree : scene.octrees) {
             part.clear();
-            reduce_leaves(part, blocks, scratch, counts);
+            reduce_tile(part, octree, scratch);
             benchmark::DoNotOptimize(scratch.nodes.data());
         }
     set_rate(state, scene);
@@ -91,8 +89,10 @@ void reduce_tiles(benchmark::State& state, const std::string& name) {
 
 void reduce_tiles_by_sorting(benchmark::State& state, const std::string& name) {
     const Prepared& scene = prepared(name);
+    std::vector<std::vector<LeafBlock>> tiles;
+    for (const TileOctree& octree : scene.octrees) tiles.push_back(blocks_of(octree, kTileTop));
     for ([[maybe_unused]] auto iteration : state)
-        for (const std::vector<LeafBlock>& blocks : scene.leaves)
+        for (const std::vector<LeafBlock>& blocks : tiles)
             benchmark::DoNotOptimize(bench::reduce_by_sorting(blocks, kTileDepth));
     set_rate(state, scene);
 }

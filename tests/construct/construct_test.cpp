@@ -36,11 +36,11 @@ struct Octree {
 
     Octree(const Scene& scene, const Grid& grid) : nodes(static_cast<unsigned>(grid.depth)) {
         const TriangleSource source(scene, grid, VoxelRule::conservative, grid.depth);
-        std::vector<LeafBlock> leaves;
+        TileOctree octree;
         for (std::size_t i = 0; i < source.tiles().size(); ++i) {
-            source.voxelize(i, leaves);
+            source.voxelize(i, octree);
             std::vector<std::set<std::uint64_t>> cells(nodes.size());
-            for (const LeafBlock& leaf : leaves) {
+            for (const LeafBlock& leaf : blocks_of(octree, grid.depth - 2)) {
                 voxels += static_cast<unsigned>(std::popcount(leaf.voxels));
                 for (std::uint64_t b = 0; b < 64; ++b)
                     if (leaf.voxels >> b & 1u)
@@ -57,10 +57,10 @@ TEST(Build, HoldsExactlyTheVoxelsOfItsSource) {
         const Scene scene = random_scene(4, 30);
         const BuildResult built = build(scene, at_depth(depth));
         const TriangleSource source(scene, built.grid, VoxelRule::conservative, depth);
-        std::vector<LeafBlock> leaves;
-        source.voxelize(0, leaves);
+        TileOctree octree;
+        source.voxelize(0, octree);
         std::vector<std::uint64_t> dense(std::size_t{1} << 3 * (depth - 2));
-        for (const LeafBlock& leaf : leaves) dense[leaf.code] = leaf.voxels;
+        for (const LeafBlock& leaf : blocks_of(octree, depth - 2)) dense[leaf.code] = leaf.voxels;
         for (std::uint64_t code = 0; code < std::uint64_t{1} << 3 * depth; ++code)
             ASSERT_EQ(built.dag.voxel(morton_decode(code)),
                       (dense[code >> 6] >> (code & 63u) & 1u) != 0)

@@ -111,17 +111,14 @@ TEST(SpilledTriangles, GiveTheLeavesOfTrianglesInMemory) {
         EXPECT_EQ(spilled.non_finite_triangles(), expected.mesh().non_finite_triangles());
         EXPECT_EQ(spilled.degenerate_triangles(), expected.mesh().degenerate_triangles());
         ASSERT_EQ(spilled.tiles(), expected.tiles());
-        std::vector<LeafBlock> a, b;
+        TileOctree a, b;
         for (std::size_t i = 0; i < spilled.tiles().size(); ++i) {
             // In any order, as threads ask.
             const std::size_t tile = i * 7919 % spilled.tiles().size();
             spilled.voxelize(tile, a);
             expected.voxelize(tile, b);
-            ASSERT_EQ(a.size(), b.size());
-            for (std::size_t k = 0; k < a.size(); ++k) {
-                ASSERT_EQ(a[k].code, b[k].code);
-                ASSERT_EQ(a[k].voxels, b[k].voxels);
-            }
+            ASSERT_EQ(a.leaves, b.leaves);
+            ASSERT_EQ(a.masks, b.masks);
         }
     }
     EXPECT_EQ(folder.entries(), 0u);

@@ -10,12 +10,12 @@ namespace octavo::test {
 /// All voxels that a source reports.
 inline VoxelSet voxels_of(const VoxelSource& source) {
     VoxelSet voxels;
-    std::vector<LeafBlock> leaves;
+    TileOctree octree;
     for (std::size_t i = 0; i < source.tiles().size(); ++i) {
-        source.voxelize(i, leaves);
+        source.voxelize(i, octree);
         const uvec3 tile = morton_decode(source.tiles()[i])
                            << static_cast<unsigned>(source.tile_depth());
-        for (const LeafBlock& leaf : leaves)
+        for (const LeafBlock& leaf : blocks_of(octree, source.tile_depth() - 2))
             for (std::uint32_t b = 0; b < 64; ++b)
                 if (leaf.voxels >> b & 1u) {
                     const uvec3 v = tile + (morton_decode(leaf.code) << 2u) + morton_decode(b);

@@ -38,78 +38,49 @@ int child_count(std::uint64_t leaf) {
     return std::popcount((((leaf & kLow) + kLow) | leaf) & ~kLow);
 }
 
-/// Replaces the codes of cells by those of their parents, and finds the parents' child masks.
-/// @return how many there are
-std::size_t group_siblings(std::size_t count, ReduceScratch& cells) {
-    std::uint32_t* codes = cells.codes.data();
-    std::uint8_t* masks = cells.child_masks.data();
-    codes[count] = ~codes[count - 1];  // of another parent
-    std::size_t parents = 0;
-    std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        // Without a branch: groups have any size, so none could be foretold.
-        const std::uint32_t code = codes[i];
-        const bool last = (code ^ codes[i + 1]) > 7u;
-        mask |= 1u << (code & 7u);
-        masks[parents] = static_cast<std::uint8_t>(mask);
-        codes[parents] = code >> 3;
-        parents += last;
-        mask = last ? 0 : mask;
-    }
-    return parents;
-}
-
 }  // namespace
 
 // As reduce_upwards(), but for the small tables of a tile: what costs is not memory but branches
 // that go either way, so there are few.
-void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves, ReduceScratch& scratch,
-                   OctreeCounts& counts) {
-    std::size_t count = leaves.size();
-    if (scratch.codes.size() < count + 1) {
-        scratch.codes.resize(count + 1);
-        scratch.nodes.resize(count + 8);  // children are read eight at a time
-        scratch.child_masks.resize(count);
+void reduce_tile(NodeStore& store, const TileOctree& octree, ReduceScratch& scratch) {
+    // Children are read eight at a time.
+    if (scratch.nodes.size() < octree.leaves.size() + 8)
+        scratch.nodes.resize(octree.leaves.size() + 8);
+    std::uint32_t* nodes = scratch.nodes.data();
+
+    UniqueNodes& leaves = store.level(0);
+    scratch.recent_leaves.fill(0);  // no leaf is 0
+    for (const std::uint64_t leaf : octree.leaves) {
+        const std::uint64_t hash = UniqueNodes::hash_leaf(leaf);
+        const std::size_t place = hash % ReduceScratch::kRecent;
+        if (scratch.recent_leaves[place] != leaf) {
+            scratch.recent_leaves[place] = leaf;
+            scratch.recent_ids[place] = leaves.add_leaf(leaf, hash);
+        }
+        *nodes++ = scratch.recent_ids[place];
     }
-    UniqueNodes& level = store.level(0);
-    std::uint64_t voxels = 0, children = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const LeafBlock& leaf = leaves[i];
-        scratch.codes[i] = leaf.code;
-        scratch.nodes[i] = level.add_leaf(leaf.voxels);
-        voxels += static_cast<unsigned>(std::popcount(leaf.voxels));
-        children += static_cast<unsigned>(child_count(leaf.voxels));
-    }
-    counts.voxels += voxels;
-    counts.cells[0] += children;
-    counts.at_height(0) += count;
 
     for (int height = 1; height <= store.top(); ++height) {
-        count = group_siblings(count, scratch);
-        UniqueNodes& nodes = store.level(height);
-        const std::uint32_t* ids = scratch.nodes.data();
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t mask = scratch.child_masks[i];
+        UniqueNodes& level = store.level(height);
+        nodes = scratch.nodes.data();
+        const std::uint32_t* children = nodes;
+        for (const std::uint32_t mask : octree.child_masks(height)) {
             const int size = std::popcount(mask);
-            scratch.nodes[i] = nodes.add_interior(mask, ids);
-            ids += size;
+            *nodes++ = level.add_interior(mask, children);
+            children += size;
         }
-        counts.at_height(height) += count;
     }
 }
 
-void count_cells(const std::vector<LeafBlock>& leaves, int top, OctreeCounts& counts) {
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-        const LeafBlock& leaf = leaves[i];
-        counts.voxels += static_cast<unsigned>(std::popcount(leaf.voxels));
-        counts.cells[0] += static_cast<unsigned>(std::popcount(leaf_child_mask(leaf.voxels)));
-        // The highest bit in which two neighbours in Morton order differ tells how high their
-        // ancestors do.
-        int differ = top + 1;
-        if (i > 0) differ = (std::bit_width(leaf.code ^ leaves[i - 1].code) + 2) / 3;
-        for (int height = 0; height < std::min(differ, top + 1); ++height)
-            ++counts.at_height(height);
+void count_cells(const TileOctree& octree, int top, OctreeCounts& counts) {
+    std::uint64_t voxels = 0, children = 0;
+    for (const std::uint64_t leaf : octree.leaves) {
+        voxels += static_cast<unsigned>(std::popcount(leaf));
+        children += static_cast<unsigned>(child_count(leaf));
     }
+    counts.voxels += voxels;
+    counts.cells[0] += children;
+    for (int height = 0; height <= top; ++height) counts.at_height(height) += octree.count(height);
 }
 
 }  // namespace octavo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -26,27 +27,25 @@ void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells);
 void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& cells,
                     OctreeCounts& counts);
 
-/// Room for reduce_leaves() to work in: the cells of one level, in Morton order.
+/// Room for reduce_tile() to work in.
 struct ReduceScratch {
-    std::vector<std::uint32_t> codes, nodes;  // as CellNode
-    std::vector<std::uint8_t> child_masks;    // of the level above
+    std::vector<std::uint32_t> nodes;  // of the cells of one level, in Morton order
+
+    // Ids of leaves that came before, by the low bits of their hash: most come again soon.
+    static constexpr std::size_t kRecent = 1024;
+    std::array<std::uint64_t, kRecent> recent_leaves;
+    std::array<std::uint32_t, kRecent> recent_ids;
 };
 
-/// Adds the leaves of a region to an empty store and reduces them up to the store's top, level by
+/// Adds a tile that is not empty to an empty store, and reduces it up to the store's top, level by
 /// level ([K13] section 3).
-///
-/// @param leaves  in Morton order, not empty; in a region as wide as a node of the store's top
-///                height
-/// @param counts  is added to
-void reduce_leaves(NodeStore& store, const std::vector<LeafBlock>& leaves, ReduceScratch& scratch,
-                   OctreeCounts& counts);
+void reduce_tile(NodeStore& store, const TileOctree& octree, ReduceScratch& scratch);
 
-/// Counts what reduce_leaves() counts of the same leaves, for a ReduceFunction: the cells of each
-/// height up to `top` that have voxels.
-void count_cells(const std::vector<LeafBlock>& leaves, int top, OctreeCounts& counts);
+/// Adds the cells of a tile to those counted: of each height up to `top` that have voxels.
+void count_cells(const TileOctree& octree, int top, OctreeCounts& counts);
 
-/// Gives an empty store the nodes that reduce_leaves() gives it, elsewhere: on a GPU. Called from
+/// Gives an empty store the nodes that reduce_tile() gives it, elsewhere: on a GPU. Called from
 /// many threads.
-using ReduceFunction = std::function<void(NodeStore& store, const std::vector<LeafBlock>& leaves)>;
+using ReduceFunction = std::function<void(NodeStore& store, const TileOctree& octree)>;
 
 }  // namespace octavo

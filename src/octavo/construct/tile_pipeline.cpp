@@ -10,14 +10,14 @@ namespace octavo {
 namespace {
 
 void voxelize_and_reduce(const VoxelSource& source, const ReduceFunction& reduce, TilePart& part) {
-    source.voxelize(part.index, part.leaves);
+    source.voxelize(part.index, part.octree);
     part.counts = {};
     part.store.clear();
-    part.empty = part.leaves.empty();
+    part.empty = part.octree.empty();
     if (part.empty) return;
-    if (!reduce) return reduce_leaves(part.store, part.leaves, part.scratch, part.counts);
-    reduce(part.store, part.leaves);
-    count_cells(part.leaves, part.store.top(), part.counts);
+    count_cells(part.octree, part.store.top(), part.counts);
+    if (reduce) return reduce(part.store, part.octree);
+    reduce_tile(part.store, part.octree, part.scratch);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct TilePart {
     std::size_t index = 0;  // into the source's tiles
     bool empty = false;
     OctreeCounts counts;
-    std::vector<LeafBlock> leaves;
+    TileOctree octree;
     ReduceScratch scratch;
 };
 
@@ -29,7 +29,7 @@ struct TilePart {
 /// them over one after the other, in the order given.
 ///
 /// @param frugal  fewer tiles in flight, where memory is scarce
-/// @param reduce  of tiles; none: reduce_leaves()
+/// @param reduce  of tiles; none: reduce_tile()
 /// @param merge   called from one thread at a time; what it throws stops the pipeline
 void run_tiles(const VoxelSource& source, std::span<const std::size_t> tiles, bool frugal,
                const ReduceFunction& reduce, const std::function<void(const TilePart&)>& merge);

@@ -4,6 +4,7 @@
 #include "octavo/construct/unique_nodes.h"
 
 #include <algorithm>
+#include <array>
 
 #include "octavo/core/error.h"
 
@@ -68,17 +69,33 @@ void UniqueNodes::grow_table() {
     const std::size_t bucket_count = buckets_.empty() ? kFirstBuckets : 2 * buckets_.size();
     buckets_ = {};  // first, so that the old table and the new one are never held together
     buckets_.resize(bucket_count);
-    for (std::uint64_t id = 0; id < words_.size();) {
+
+    // Nodes wait in a ring after they have been hashed, until their bucket has come from memory.
+    struct Waiting {
+        std::uint64_t hash;
+        std::uint32_t id;
+    };
+    std::array<Waiting, 32> ring;
+    const auto put = [&](const Waiting& node) {
+        std::size_t at = home(node.hash);
+        while (buckets_[at].full()) at = next(at);
+        buckets_[at].put(node.id, tag_of(node.hash));
+    };
+    std::uint64_t seen = 0;
+    for (std::uint64_t id = 0; id < words_.size(); ++seen) {
         const std::uint32_t* node = words_.data() + id;  // with slack after the last one
         const int size = size_of(node);
         const std::uint64_t h =
             kind_ == Kind::leaves ? hash_leaf(voxels_of(node))
                                   : hash_interior(node[0], ChildIds::first_of(node + 1, size - 1));
-        std::size_t at = home(h);
-        while (buckets_[at].full()) at = next(at);
-        buckets_[at].put(static_cast<std::uint32_t>(id), tag_of(h));
+        Waiting& place = ring[seen % ring.size()];
+        if (seen >= ring.size()) put(place);
+        place = {h, static_cast<std::uint32_t>(id)};
+        prefetch_slot(h);
         id += static_cast<unsigned>(size);
     }
+    for (std::uint64_t i = seen - std::min<std::uint64_t>(seen, ring.size()); i < seen; ++i)
+        put(ring[i % ring.size()]);
 }
 
 }  // namespace octavo

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace octavo {
@@ -55,6 +56,50 @@ void radix_sort(std::vector<Item>& items, int key_bits, const Key& key,
         });
         items.swap(scratch);
     }
+}
+
+/// Sorts the items of all parts by an unsigned key into one array, keeping the order of equal keys
+/// within a part, and of parts. Parallel over parts. For keys of up to 16 bits that is a single
+/// pass over the items: much of it waits for memory unless neighbours often have keys that came
+/// lately.
+///
+/// @param parts  left empty
+template <class Item, class Key>
+[[nodiscard]] std::vector<Item> radix_sort_parts(std::vector<std::vector<Item>>& parts,
+                                                 int key_bits, const Key& key) {
+    constexpr int kMostBits = 16;
+    const int digit_bits = std::min(key_bits, kMostBits);
+    const int shift = key_bits - digit_bits;
+    const std::size_t digits = std::size_t{1} << digit_bits;
+
+    std::vector<std::vector<std::size_t>> offsets(parts.size());  // [part][digit]
+    const auto digit = [&](const Item& item) {
+        return static_cast<std::size_t>(key(item) >> shift);
+    };
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+        offsets[part].resize(digits);
+        for (const Item& item : parts[part]) ++offsets[part][digit(item)];
+    });
+    std::vector<std::size_t> begins;  // of digits
+    std::size_t next = 0;
+    for (std::size_t d = 0; d < digits; ++d) {
+        begins.push_back(next);
+        for (std::vector<std::size_t>& of_part : offsets) next += std::exchange(of_part[d], next);
+    }
+    begins.push_back(next);
+
+    std::vector<Item> sorted(next);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+        std::size_t* ends = offsets[part].data();
+        for (const Item& item : parts[part]) sorted[ends[digit(item)]++] = item;
+        parts[part] = {};
+    });
+    if (shift > 0)  // what has one digit is little, and hardly ever out of order
+        tbb::parallel_for(std::size_t{0}, digits, [&](std::size_t d) {
+            std::stable_sort(sorted.data() + begins[d], sorted.data() + begins[d + 1],
+                             [&](const Item& a, const Item& b) { return key(a) < key(b); });
+        });
+    return sorted;
 }
 
 }  // namespace octavo

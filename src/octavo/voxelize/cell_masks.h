@@ -80,26 +80,17 @@ inline constexpr auto kCellOfCode = [] {
     return table;
 }();
 
-namespace detail {
-
-// As HWY_ALIGN would: for the widest vectors.
-struct alignas(64) SquareLanes {
-    std::int32_t lanes[16];
-    constexpr operator const std::int32_t*() const { return lanes; }
+/// Of a cell of a window, by Morton code: the column along each projection that it is in, u + 4 v.
+struct ColumnsOfCell {
+    std::uint8_t column[4];  // the last is not used
 };
-
-}  // namespace detail
-
-/// [projection][0 or 1]: u and v of the squares of a projection, by their number.
-inline constexpr auto kSquareCoordinates = [] {
-    std::array<std::array<detail::SquareLanes, 2>, 3> table{};
-    for (int p = 0; p < 3; ++p)
-        for (std::uint32_t code = 0; code < 64; ++code) {
-            const std::uint32_t square = detail::square_of(p, code);
-            for (int along = 0; along < 2; ++along)
-                table[static_cast<unsigned>(p)][static_cast<unsigned>(along)].lanes[square] =
-                    static_cast<std::int32_t>(
-                        detail::component(morton_decode(code), (p + along) % 3));
+inline constexpr auto kColumnsOfCell = [] {
+    std::array<ColumnsOfCell, 64> table{};
+    for (std::uint32_t code = 0; code < 64; ++code)
+        for (int p = 0; p < 3; ++p) {
+            const uvec3 cell = morton_decode(code);
+            table[code].column[p] = static_cast<std::uint8_t>(
+                detail::component(cell, p) + 4 * detail::component(cell, (p + 1) % 3));
         }
     return table;
 }();

@@ -68,6 +68,86 @@ HWY_INLINE std::uint64_t columns_over(std::uint32_t squares) {
 #endif
 }
 
+// A number on each axis; the fourth says nothing. What is written as a vector may be read as a
+// vector or number by number, but not the other way: a load waits where it spans several stores.
+constexpr hn::FixedTag<std::int32_t, 4> kAxes{};
+using Axes = hn::Vec<decltype(kAxes)>;
+
+/// Bit 0, 1 and 2: where lanes x, y and z are set.
+HWY_INLINE unsigned axes_of(hn::Mask<decltype(kAxes)> mask) {
+    return static_cast<unsigned>(bits_of(kAxes, mask)) & 7u;
+}
+
+/// The bounds of three corners, one unit more than they are at the low end: of closed cells those
+/// that end there meet them too.
+HWY_INLINE Axes low_of(const std::array<FixedPoint, 3>& corners) {
+    const Axes least =
+        hn::Min(hn::Load(kAxes, &corners[0].x),
+                hn::Min(hn::Load(kAxes, &corners[1].x), hn::Load(kAxes, &corners[2].x)));
+    return hn::Sub(least, hn::Set(kAxes, 1));
+}
+HWY_INLINE Axes high_of(const std::array<FixedPoint, 3>& corners) {
+    return hn::Max(hn::Load(kAxes, &corners[0].x),
+                   hn::Max(hn::Load(kAxes, &corners[1].x), hn::Load(kAxes, &corners[2].x)));
+}
+
+/// base + i u + j v for i and j from 0 to 3, i fastest, or with their bits in Morton order.
+enum class Order { rows, morton };
+template <Order kOrder>
+HWY_INLINE void store_plane(std::int32_t base, std::int32_t u, std::int32_t v, std::int32_t* out) {
+    constexpr unsigned kU = 0xaaaa, kTwiceV = 0xff00;  // lanes with this bit of i, or of j
+    constexpr unsigned kTwiceU = kOrder == Order::rows ? 0xcccc : 0xf0f0;
+    constexpr unsigned kV = kOrder == Order::rows ? 0xf0f0 : 0xcccc;
+#if HWY_TARGET <= HWY_AVX3  // a multiplication takes as long as four of these
+    __m512i sum = _mm512_set1_epi32(base);
+    sum = _mm512_mask_add_epi32(sum, kU, sum, _mm512_set1_epi32(u));
+    sum = _mm512_mask_add_epi32(sum, kV, sum, _mm512_set1_epi32(v));
+    sum = _mm512_mask_add_epi32(sum, kTwiceU, sum, _mm512_set1_epi32(2 * u));
+    sum = _mm512_mask_add_epi32(sum, kTwiceV, sum, _mm512_set1_epi32(2 * v));
+    _mm512_store_si512(out, sum);
+#else
+    struct alignas(64) Steps {
+        std::int32_t i[16], j[16];
+    };
+    static constexpr Steps kSteps = [] {
+        Steps steps{};
+        for (unsigned lane = 0; lane < 16; ++lane) {
+            steps.i[lane] = static_cast<std::int32_t>((kU >> lane & 1) + 2 * (kTwiceU >> lane & 1));
+            steps.j[lane] = static_cast<std::int32_t>((kV >> lane & 1) + 2 * (kTwiceV >> lane & 1));
+        }
+        return steps;
+    }();
+    constexpr hn::CappedTag<std::int32_t, 16> d;
+    for (std::size_t lane = 0; lane < 16; lane += hn::MaxLanes(d)) {
+        const auto i = hn::Mul(hn::Load(d, kSteps.i + lane), hn::Set(d, u));
+        const auto j = hn::Mul(hn::Load(d, kSteps.j + lane), hn::Set(d, v));
+        hn::Store(hn::Add(hn::Add(i, j), hn::Set(d, base)), d, out + lane);
+    }
+#endif
+}
+
+/// All bits of the lanes of 2x2x2 cells, in Morton order, that are the second along an axis.
+struct alignas(64) CubeSteps {
+    std::int64_t lanes[3][8];
+};
+constexpr CubeSteps kCubeSteps = [] {
+    CubeSteps steps{};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 8; ++i) steps.lanes[axis][i] = (i >> axis & 1) != 0 ? -1 : 0;
+    return steps;
+}();
+
+/// All bits of the lanes that have this bit in their number.
+struct alignas(64) CellBits {
+    std::int32_t lanes[4][16];
+};
+constexpr CellBits kCellBits = [] {
+    CellBits bits{};
+    for (int bit = 0; bit < 4; ++bit)
+        for (int i = 0; i < 16; ++i) bits.lanes[bit][i] = (i >> bit & 1) != 0 ? -1 : 0;
+    return bits;
+}();
+
 /// Tests one triangle against 4x4x4 cells at a time.
 ///
 /// A cell is a closed cube of 2^shift units. Every test is a linear function of the cell's corner
@@ -82,6 +162,11 @@ class TriangleCells {
     // A window of cells against the plane: a cell passes when 0 <= value + step(cell) <= last.
     struct PlaneValue {
         std::int64_t value, last;
+    };
+
+    // Of a number with a plane's high bits: below `surely` it is on, from `maybe` on it is off.
+    struct PlaneLimits {
+        std::uint16_t surely, maybe;
     };
 
     // A window of cells against the edges: a cell passes when lane + step(cell) >= 0 for each edge.
@@ -142,7 +227,8 @@ public:
         HWY_INLINE BlockVoxels(const TriangleCells& triangle, const ivec3& corner)
             : triangle_(triangle),
               corner_(corner),
-              plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)) {
+              plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)),
+              limits_(triangle.plane_limits(plane_.last)) {
             triangle.edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset(),
                                  edges_);
         }
@@ -171,49 +257,54 @@ public:
         HWY_INLINE std::uint64_t voxels_of_plane(unsigned code) const {
             const std::int64_t* steps = triangle_.exact_plane_steps_;
             return triangle_.on_plane(
-                {plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]), plane_.last});
+                {plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]), plane_.last},
+                limits_);
         }
 
     private:
         const TriangleCells& triangle_;
         ivec3 corner_;
         PlaneValue plane_;
+        PlaneLimits limits_;
         EdgeValues edges_;
     };
 
-    /// Calls visit(block, voxels) for every block of a small range that has voxels, x fastest: each
-    /// projection is looked at once for a whole column of blocks.
-    /// @param corner  of the first block
+    /// Calls set(code, voxels) for every block of a small range that may have voxels, by its Morton
+    /// code in the range; `voxels` may be none. Each projection is looked at once for a whole
+    /// column of blocks. What a small triangle meets is hard to foretell, so there are few
+    /// branches.
+    /// @param corner  of the first block, which the triangle's bounds meet
     /// @param count   of blocks along each axis, 1 to 4
-    template <class Visit>
-    HWY_INLINE void for_each_block(const ivec3& corner, const ivec3& count,
-                                   const Visit& visit) const {
+    template <class Set>
+    HWY_INLINE void for_each_block(const ivec3& corner, const ivec3& count, const Set& set) const {
         EdgeValues edges;
         edge_values(corner, voxel_shift_, voxel_edge_offset(), edges);
-        const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
-
         std::uint64_t columns[3][16];
-        const ivec3 first = (bounds_low_ - corner) >> voxel_shift_;
-        const ivec3 last = (bounds_high_ - corner) >> voxel_shift_;
-        columns_of<0>(edges, count, first, last, columns[0]);
-        columns_of<1>(edges, count, first, last, columns[1]);
-        columns_of<2>(edges, count, first, last, columns[2]);
+        columns_of<0>(edges, corner, count, columns[0]);
+        columns_of<1>(edges, corner, count, columns[1]);
+        columns_of<2>(edges, corner, count, columns[2]);
 
-        ivec3 block;
-        for (block.z = 0; block.z < count.z; ++block.z)
-            for (block.y = 0; block.y < count.y; ++block.y) {
-                const std::int64_t row =
-                    plane.value + 4 * (normal_[1] * block.y + normal_[2] * block.z);
-                for (block.x = 0; block.x < count.x; ++block.x) {
-                    const std::uint64_t met = columns[0][block.x + 4 * block.y] &
-                                              columns[1][block.y + 4 * block.z] &
-                                              columns[2][block.z + 4 * block.x];
-                    if (met == 0) continue;
-                    const std::uint64_t voxels =
-                        met & on_plane({row + 4 * normal_[0] * block.x, plane.last});
-                    if (voxels != 0) visit(block, voxels);
-                }
-            }
+        std::uint64_t met[64];
+        std::uint8_t codes[64];
+        unsigned found = 0;
+        for (std::uint64_t rest = cells_from_to(0, 0, count.x - 1) &
+                                  cells_from_to(1, 0, count.y - 1) &
+                                  cells_from_to(2, 0, count.z - 1);
+             rest != 0; rest &= rest - 1) {
+            const auto code = static_cast<unsigned>(std::countr_zero(rest));
+            const ColumnsOfCell& of = kColumnsOfCell[code];
+            met[found] =
+                columns[0][of.column[0]] & columns[1][of.column[1]] & columns[2][of.column[2]];
+            codes[found] = static_cast<std::uint8_t>(code);
+            found += met[found] != 0;
+        }
+
+        const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
+        const PlaneLimits limits = plane_limits(plane.last);
+        for (unsigned i = 0; i < found; ++i) {
+            const unsigned code = codes[i];
+            set(code, met[i] & on_plane({plane.value + steps_to_block(code), plane.last}, limits));
+        }
     }
 
 private:
@@ -223,6 +314,8 @@ private:
     static constexpr int kLanes32 = static_cast<int>(hn::MaxLanes(kInt32));
     static constexpr int kLanes64 = static_cast<int>(hn::MaxLanes(kInt64));
     static constexpr int kLanes16 = static_cast<int>(hn::MaxLanes(kUint16));
+    static constexpr hn::CappedTag<std::int64_t, 4> kRow{};
+    static constexpr int kRowLanes = static_cast<int>(hn::MaxLanes(kRow));
 
     // The plane passes a cell when 0 <= low + n . (corner - vertex) <= range.
     struct PlaneTest {
@@ -260,8 +353,8 @@ private:
     HWY_INLINE PlaneValue plane_value_in(const ivec3& corner, int shift,
                                          const PlaneTest& test) const {
         const Int value =
-            Int{normal_[0]} * (corner.x - vertex_.x) + Int{normal_[1]} * (corner.y - vertex_.y) +
-            Int{normal_[2]} * (corner.z - vertex_.z) + ((Int{test.low} << shift) >> 1);
+            Int{normal_[0]} * (corner.x - vertex_[0]) + Int{normal_[1]} * (corner.y - vertex_[1]) +
+            Int{normal_[2]} * (corner.z - vertex_[2]) + ((Int{test.low} << shift) >> 1);
         const Int quotient = value >> shift;
         // value + s <= range, in whole 2^shift, is quotient + s <= range; where a remainder was cut
         // off, one less.
@@ -275,22 +368,55 @@ private:
     /// The cells of a window whose value and step are on the plane. Normals have up to 51 bits; the
     /// 13 highest decide nearly always, and where they do not all bits are asked.
     HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane) const {
-        const std::int64_t value =
-            std::clamp(plane.value >> plane_low_bits_, plane_least_, plane_most_);
-        const std::int64_t last = plane.last >> plane_low_bits_;
-        const auto v = hn::Set(kUint16, static_cast<std::uint16_t>(value));
+        return on_plane(plane, plane_limits(plane.last));
+    }
+    HWY_INLINE std::uint64_t on_plane(const PlaneValue& plane, const PlaneLimits& limits) const {
+        std::int64_t value = std::max(plane.value >> plane_low_bits_, plane_least_);
+        value = std::min(value, plane_most_);
+        const HighBits high = on_plane_by_high_bits(static_cast<std::uint16_t>(value), limits);
+        return HWY_LIKELY(high.decide) ? high.on : on_plane_exactly(plane);
+    }
+
+    /// By how much the plane's value differs at a block of a window.
+    HWY_INLINE std::int64_t steps_to_block(unsigned code) const {
+        return 4 * (exact_plane_steps_[code & 7u] + 2 * exact_plane_steps_[code >> 3]);
+    }
+
+    HWY_INLINE PlaneLimits plane_limits(std::int64_t last) const {
+        const std::int64_t high = last >> plane_low_bits_;
+        return {static_cast<std::uint16_t>(high - plane_slack_high_ + 1),
+                static_cast<std::uint16_t>(high + plane_slack_low_ + 1)};
+    }
+
+    struct HighBits {
+        std::uint64_t on;
+        bool decide;
+    };
+    /// @param value  without plane_low_bits_, between plane_least_ and plane_most_
+    HWY_INLINE HighBits on_plane_by_high_bits(std::uint16_t value,
+                                              const PlaneLimits& limits) const {
+        const auto v = hn::Set(kUint16, value);
         const auto slack = hn::Set(kUint16, plane_slack_low_);
-        const auto surely = hn::Set(kUint16, static_cast<std::uint16_t>(last - plane_slack_high_));
-        const auto maybe = hn::Set(kUint16, static_cast<std::uint16_t>(last + plane_slack_low_));
-        std::uint64_t on = 0, maybe_on = 0;
-        for (int i = 0; i < 64; i += kLanes16) {
-            // A number below 0 is a large one here, so that one comparison asks for both ends.
+        const auto surely = hn::Set(kUint16, limits.surely);
+        const auto maybe = hn::Set(kUint16, limits.maybe);
+        // A number below 0 is a large one here, so that one comparison asks for both ends.
+        const auto first = hn::Add(hn::Load(kUint16, plane_steps_), v);
+#if HWY_TARGET <= HWY_AVX3  // both halves to one register as one number
+        const auto second = hn::Add(hn::Load(kUint16, plane_steps_ + 32), v);
+        const std::uint64_t on =
+            _mm512_kunpackd(hn::Lt(second, surely).raw, hn::Lt(first, surely).raw);
+        const std::uint64_t maybe_on = _mm512_kunpackd(hn::Lt(hn::Add(second, slack), maybe).raw,
+                                                       hn::Lt(hn::Add(first, slack), maybe).raw);
+#else
+        std::uint64_t on = bits_of(kUint16, hn::Lt(first, surely));
+        std::uint64_t maybe_on = bits_of(kUint16, hn::Lt(hn::Add(first, slack), maybe));
+        for (int i = kLanes16; i < 64; i += kLanes16) {
             const auto w = hn::Add(hn::Load(kUint16, plane_steps_ + i), v);
-            const auto w_and_slack = hn::Add(w, slack);
-            on |= bits_of(kUint16, hn::Eq(hn::Min(w, surely), w)) << i;
-            maybe_on |= bits_of(kUint16, hn::Eq(hn::Min(w_and_slack, maybe), w_and_slack)) << i;
+            on |= bits_of(kUint16, hn::Lt(w, surely)) << i;
+            maybe_on |= bits_of(kUint16, hn::Lt(hn::Add(w, slack), maybe)) << i;
         }
-        return HWY_LIKELY(on == maybe_on) ? on : on_plane_exactly(plane);
+#endif
+        return {on, on == maybe_on};
     }
 
     HWY_NOINLINE std::uint64_t on_plane_exactly(const PlaneValue& plane) const {
@@ -381,21 +507,27 @@ private:
     /// For the columns of blocks (i, j) along a projection: their voxels that the projection
     /// passes and that are within the bounds along u, at [i + 4j].
     template <int kProjection>
-    HWY_INLINE void columns_of(const EdgeValues& edges, const ivec3& count, const ivec3& first,
-                               const ivec3& last, std::uint64_t* columns) const {
+    HWY_INLINE void columns_of(const EdgeValues& edges, const ivec3& corner, const ivec3& count,
+                               std::uint64_t* columns) const {
         constexpr int u = kProjection, v = (kProjection + 1) % 3, e = 4 * kProjection;
-        const std::int32_t* step_u = edge_axes_[u] + e;
-        const std::int32_t* step_v = edge_axes_[v] + e;
-        for (int i = 0; i < count[u]; ++i) {
-            const std::uint64_t slab = cells_from_to(u, std::clamp(first[u] - 4 * i, 0, 4),
-                                                     std::clamp(last[u] - 4 * i, -1, 3));
-            std::int32_t value[3];
-            for (int k = 0; k < 3; ++k) value[k] = edges.lane[e + k] + 4 * i * step_u[k];
-            for (int j = 0; j < count[v]; ++j) {
-                columns[i + 4 * j] = slab & columns_over<kProjection>(
-                                                squares<kProjection>(value[0], value[1], value[2]));
-                for (int k = 0; k < 3; ++k) value[k] += 4 * step_v[k];
-            }
+        const int first = std::max((bounds_low_[u] - corner[u]) >> voxel_shift_, 0);
+        const int last = ((bounds_high_[u] - corner[u]) >> voxel_shift_) - 4 * (count[u] - 1);
+        std::uint64_t slabs[4] = {~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0},
+                                  ~std::uint64_t{0}};
+        slabs[0] = cells_from_to(u, first, 3);
+        slabs[count[u] - 1] &= cells_from_to(u, 0, std::min(last, 3));
+
+        HWY_ALIGN std::int32_t values[3][16];
+        for (int k = 0; k < 3; ++k)
+            store_plane<Order::rows>(edges.lane[e + k], 4 * edge_axes_[u][e + k],
+                                     4 * edge_axes_[v][e + k], values[k]);
+        // Rows of count[u] columns.
+        const unsigned row = (1u << count[u]) - 1;
+        const auto all = static_cast<unsigned>(0x1111u & ((1u << 4 * count[v]) - 1)) * row;
+        for (unsigned rest = all; rest != 0; rest &= rest - 1) {
+            const auto at = static_cast<unsigned>(std::countr_zero(rest));
+            columns[at] = slabs[at & 3u] & columns_over<kProjection>(squares<kProjection>(
+                                               values[0][at], values[1][at], values[2][at]));
         }
     }
 
@@ -409,7 +541,9 @@ private:
     WideEdges edge_offset_, thin_edge_offset_;
     std::int64_t normal_[3];
     PlaneTest cell_plane_, voxel_plane_;
-    ivec3 vertex_, bounds_low_, bounds_high_;
+    HWY_ALIGN std::int32_t vertex_[4];
+    HWY_ALIGN std::int32_t bounds_low_[4];
+    HWY_ALIGN std::int32_t bounds_high_[4];
     bool short_plane_;  // 64 bits hold the plane's value wherever a window can lie
     bool has_area_, thin_;
     std::uint16_t plane_slack_low_;  // as much may have been cut off values and steps
@@ -426,9 +560,9 @@ inline TriangleCells::TriangleCells(const std::array<FixedPoint, 3>& corners, in
     const ivec3 c[3] = {{corners[0].x, corners[0].y, corners[0].z},
                         {corners[1].x, corners[1].y, corners[1].z},
                         {corners[2].x, corners[2].y, corners[2].z}};
-    vertex_ = c[0];
-    bounds_low_ = glm::min(c[0], glm::min(c[1], c[2])) - 1;
-    bounds_high_ = glm::max(c[0], glm::max(c[1], c[2]));
+    hn::Store(hn::Load(kAxes, &corners[0].x), kAxes, vertex_);
+    hn::Store(low_of(corners), kAxes, bounds_low_);
+    hn::Store(high_of(corners), kAxes, bounds_high_);
 
     const ivec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
     normal_[0] = std::int64_t{e1.y} * e2.z - std::int64_t{e1.z} * e2.y;
@@ -462,13 +596,17 @@ HWY_INLINE void TriangleCells::set_plane() {
     // sum is |n|: of it this much belongs to steps up.
     const std::int64_t positive = (sum + normal_[0] + normal_[1] + normal_[2]) / 2;
     cell_plane_ = {2 * positive, sum};
-    voxel_plane_ = thin_ ? PlaneTest{2 * positive - sum + largest, largest} : cell_plane_;
+    voxel_plane_ = {2 * positive - (thin_ ? sum - largest : 0), thin_ ? largest : sum};
 
     // A window's corner is at most 2^27 units from a vertex, or a window wide.
     short_plane_ = largest < std::int64_t{1} << 32;
-    for (int i = 0; i < 8; ++i)
-        exact_plane_steps_[i] =
-            (i & 1) * normal_[0] + (i >> 1 & 1) * normal_[1] + (i >> 2) * normal_[2];
+    for (int i = 0; i < 8; i += kLanes64) {
+        const auto step = [&](int axis) {
+            return hn::And(hn::Load(kInt64, kCubeSteps.lanes[axis] + i),
+                           hn::Set(kInt64, normal_[axis]));
+        };
+        hn::Store(hn::Add(hn::Add(step(0), step(1)), step(2)), kInt64, exact_plane_steps_ + i);
+    }
 
     // 13 bits for |n|, so that 3 |n| of steps, and as much for values beyond which the answer is
     // no, fit 16.
@@ -487,19 +625,23 @@ HWY_INLINE void TriangleCells::set_plane() {
     plane_most_ = (sum >> plane_low_bits_) + 3 * down + 5;
 
     // In Morton order the steps of cell 8a + b are those of b, and twice those of a.
-    HWY_ALIGN std::int32_t first[8];
-    const std::int32_t along[3] = {static_cast<std::int32_t>(normal_[0] >> cut),
-                                   static_cast<std::int32_t>(normal_[1] >> cut),
-                                   static_cast<std::int32_t>(normal_[2] >> cut)};
-    for (int i = 0; i < 8; ++i)
-        first[i] = (i & 1) * along[0] + (i >> 1 & 1) * along[1] + (i >> 2) * along[2];
-    constexpr hn::CappedTag<std::int32_t, 8> kWide;
-    constexpr hn::Rebind<std::int16_t, decltype(kWide)> kNarrow;
-    for (int a = 0; a < 8; ++a) {
-        const auto twice = hn::Set(kWide, 2 * first[a]);
-        for (std::size_t b = 0; b < 8; b += hn::MaxLanes(kWide)) {
+    HWY_ALIGN std::int32_t first[16];
+    for (int i = 0; i < 16; i += kLanes32) {
+        const auto step = [&](int bit, std::int64_t along) {
+            return hn::And(hn::Load(kInt32, kCellBits.lanes[bit] + i),
+                           hn::Set(kInt32, static_cast<std::int32_t>(along >> cut)));
+        };
+        const auto near =
+            hn::Add(hn::Add(step(0, normal_[0]), step(1, normal_[1])), step(2, normal_[2]));
+        hn::Store(hn::Add(near, hn::Add(step(3, normal_[0]), step(3, normal_[0]))), kInt32,
+                  first + i);
+    }
+    constexpr hn::Rebind<std::int16_t, decltype(kInt32)> kNarrow;
+    for (int a = 0; a < 8; a += 2) {
+        const auto twice = hn::Set(kInt32, 2 * first[a]);
+        for (int b = 0; b < 16; b += kLanes32) {
             const auto steps =
-                hn::ShiftRightSame(hn::Add(hn::Load(kWide, first + b), twice), guard_bits);
+                hn::ShiftRightSame(hn::Add(hn::Load(kInt32, first + b), twice), guard_bits);
             hn::Store(hn::DemoteTo(kNarrow, steps), kNarrow,
                       reinterpret_cast<std::int16_t*>(plane_steps_ + 8 * a + b));
         }
@@ -547,15 +689,10 @@ HWY_INLINE void TriangleCells::set_edges(const std::array<FixedPoint, 3>& corner
     }
     for (int p = 0; p < 3; ++p)
         for (int e = 4 * p; e < 4 * p + 3; ++e) {
-            const auto along_u = hn::Set(kInt32, edge_axes_[p][e]);
-            const auto along_v = hn::Set(kInt32, edge_axes_[(p + 1) % 3][e]);
-            const auto best = hn::Set(kInt32, edge_best_[e]);
-            const auto& coordinates = kSquareCoordinates[static_cast<unsigned>(p)];
-            for (int i = 0; i < 16; i += kLanes32)
-                hn::Store(hn::Add(hn::Add(hn::Mul(along_u, hn::Load(kInt32, coordinates[0] + i)),
-                                          hn::Mul(along_v, hn::Load(kInt32, coordinates[1] + i))),
-                                  best),
-                          kInt32, edge_steps_[e] + i);
+            // The squares' numbers have the bits of the axis that comes first lowest.
+            const int first = p == 2 ? 0 : p, second = p == 2 ? 2 : p + 1;
+            store_plane<Order::morton>(edge_best_[e], edge_axes_[first][e], edge_axes_[second][e],
+                                       edge_steps_[e]);
         }
 }
 

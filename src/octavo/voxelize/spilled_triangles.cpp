@@ -94,7 +94,7 @@ void SpilledTriangles::number_by_holes(std::size_t begin, std::span<std::uint32_
     hole_count_ += static_cast<std::uint32_t>(found.size());
 }
 
-void SpilledTriangles::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
+void SpilledTriangles::voxelize(std::size_t index, TileOctree& octree) const {
     TileBitmap& bitmap = bitmaps_.local();
     const auto tile = static_cast<std::uint32_t>(tiles()[index]);
     Batch batch(holes_file_.get());
@@ -106,7 +106,7 @@ void SpilledTriangles::voxelize(std::size_t index, std::vector<LeafBlock>& leave
         if (batch.size() == kBatch) rasterize();
     });
     if (batch.size() != 0) rasterize();
-    bitmap.take(leaves);
+    bitmap.take(octree);
 }
 
 }  // namespace octavo

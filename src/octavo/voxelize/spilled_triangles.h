@@ -41,7 +41,7 @@ public:
     [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override {
         return facets_.tiles();
     }
-    void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
+    void voxelize(std::size_t index, TileOctree& octree) const override;
 
     [[nodiscard]] std::uint64_t degenerate_triangles() const {
         return facets_.degenerate_triangles();

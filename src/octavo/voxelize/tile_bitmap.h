@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "octavo/core/huge_pages.h"
-#include "octavo/voxelize/voxel_source.h"
+#include "octavo/voxelize/tile_octree.h"
 
 namespace octavo {
 
@@ -15,21 +15,13 @@ namespace octavo {
 /// Memory: one bit for each voxel of the tile, and 1/63 more.
 class TileBitmap {
 public:
-    /// @param tile_depth  log2 of the tile's side in voxels, at least 2
-    explicit TileBitmap(int tile_depth) {
-        std::size_t count = std::size_t{1} << 3 * (tile_depth - 2);
-        blocks_.resize(count);
-        do {
-            count = (count + 63) / 64;
-            occupied_.emplace_back(count);
-        } while (count > 1);
-    }
+    /// @param tile_depth  log2 of the tile's side in voxels, 2 to 10
+    explicit TileBitmap(int tile_depth);
 
-    /// Sets voxels of the block with this Morton code. `voxels` is not zero.
+    /// Sets voxels, or none, of the block with this Morton code.
     void set(std::uint32_t code, std::uint64_t voxels) {
-        std::uint64_t& block = blocks_[code];
-        if (block == 0) mark(code);
-        block |= voxels;
+        blocks_[code] |= voxels;
+        mark(code >> 6, std::uint64_t{voxels != 0} << (code & 63));
     }
 
     /// A window of 4x4x4 blocks whose codes follow each other, to set voxels of many of its blocks.
@@ -38,9 +30,7 @@ public:
         /// @param first  code of the first block, a multiple of 64
         Window(TileBitmap& bitmap, std::uint32_t first)
             : bitmap_(bitmap), first_(first), blocks_(bitmap.blocks_.data() + first) {}
-        ~Window() {
-            if (set_ != 0) bitmap_.mark(first_ >> 6, set_);
-        }
+        ~Window() { bitmap_.mark(first_ >> 6, set_); }
         Window(const Window&) = delete;
         Window& operator=(const Window&) = delete;
 
@@ -63,27 +53,25 @@ public:
         std::uint64_t set_ = 0;
     };
 
-    /// Replaces `leaves` by the blocks that are not empty, in Morton order, and clears the tile.
-    void take(std::vector<LeafBlock>& leaves);
+    /// Replaces `octree` by what has been set, and clears the tile.
+    void take(TileOctree& octree);
 
 private:
-    void mark(std::uint32_t code) { mark(code >> 6, std::uint64_t{1} << (code & 63)); }
-
-    /// Notes that these blocks of a window are not empty.
+    /// Notes that these blocks of a window, or none, are not empty. Without a branch: whether they
+    /// were is hard to foretell. So the two finest bit sets are kept at all times, and the others,
+    /// which are small, are made from them when the tile is taken.
     void mark(std::uint32_t window, std::uint64_t blocks) {
-        for (std::vector<std::uint64_t>& level : occupied_) {
-            std::uint64_t& word = level[window];
-            const bool was_empty = word == 0;
-            word |= blocks;
-            if (!was_empty) return;
-            blocks = std::uint64_t{1} << (window & 63);
-            window >>= 6;
-        }
+        blocks_set_[window] |= blocks;
+        windows_set_[window >> 6] |= std::uint64_t{blocks != 0} << (window & 63);
     }
-    void take_below(std::size_t level, std::uint32_t word_index, std::vector<LeafBlock>& leaves);
 
+    struct Taking;
+
+    int top_;
     std::vector<std::uint64_t, HugePageAllocator<std::uint64_t>> blocks_;
-    std::vector<std::vector<std::uint64_t>> occupied_;  // occupied_[0]: a bit for each block
+    std::vector<std::uint64_t> blocks_set_;                // a bit for each block
+    std::vector<std::uint64_t> windows_set_;               // for each 64 of them
+    std::vector<std::vector<std::uint64_t>> coarser_set_;  // for each 64^2, ..., one word at last
 };
 
 }  // namespace octavo

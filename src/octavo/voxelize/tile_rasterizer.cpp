@@ -17,13 +17,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
 
+HWY_INLINE ivec3 ivec_of(Axes axes) {
+    HWY_ALIGN std::int32_t numbers[4];
+    hn::Store(axes, kAxes, numbers);
+    return {numbers[0], numbers[1], numbers[2]};
+}
+/// Once for many triangles: slow to read back.
+HWY_INLINE Axes axes_from(const ivec3& numbers) {
+    HWY_ALIGN const std::int32_t all[4] = {numbers.x, numbers.y, numbers.z, 0};
+    return hn::Load(kAxes, all);
+}
+
 /// An inclusive range of cells of one size, counted from the grid's corner.
 struct CellRange {
     ivec3 first, last;
 
-    [[nodiscard]] bool empty() const {
-        return first.x > last.x || first.y > last.y || first.z > last.z;
-    }
     [[nodiscard]] CellRange coarser(int bits) const { return {first >> bits, last >> bits}; }
     [[nodiscard]] int longest_side() const {
         const ivec3 size = last - first;
@@ -45,25 +53,24 @@ struct CellRange {
 /// Where voxels, and cells of 2^bits voxels, lie among the mesh's fixed-point units.
 struct Space {
     ivec3 base;
+    Axes base_axes;
     int voxel_shift;
 
-    explicit Space(const FixedMesh& mesh) : base(mesh.base()), voxel_shift(mesh.fraction_bits()) {}
+    explicit Space(const FixedMesh& mesh)
+        : base(mesh.base()), base_axes(axes_from(base)), voxel_shift(mesh.fraction_bits()) {}
 
     [[nodiscard]] ivec3 corner(const ivec3& cell, int bits) const {
         return ((cell << bits) - base) << voxel_shift;
     }
 
-    /// The voxels whose closed cubes meet the triangle's bounds.
-    [[nodiscard]] CellRange voxels(const std::array<FixedPoint, 3>& c) const {
-        const ivec3 a(c[0].x, c[0].y, c[0].z), b(c[1].x, c[1].y, c[1].z), d(c[2].x, c[2].y, c[2].z);
-        return {((glm::min(a, glm::min(b, d)) - 1) >> voxel_shift) + base,
-                (glm::max(a, glm::max(b, d)) >> voxel_shift) + base};
+    /// The first and the last voxels whose closed cubes meet the triangle's bounds.
+    [[nodiscard]] HWY_INLINE Axes first_voxel(const std::array<FixedPoint, 3>& corners) const {
+        return hn::Add(hn::ShiftRightSame(low_of(corners), voxel_shift), base_axes);
+    }
+    [[nodiscard]] HWY_INLINE Axes last_voxel(const std::array<FixedPoint, 3>& corners) const {
+        return hn::Add(hn::ShiftRightSame(high_of(corners), voxel_shift), base_axes);
     }
 };
-
-CellRange intersection(const CellRange& a, const CellRange& b) {
-    return {glm::max(a.first, b.first), glm::min(a.last, b.last)};
-}
 
 /// Calls visit(Morton code in the window) for each cell of a mask, in order.
 template <class Visit>
@@ -98,7 +105,8 @@ HWY_INLINE int fit_window(CellRange& range, int bits) {
     return bits;
 }
 
-/// Bit i of a coordinate inside a tile at bit 3i: a load is faster than to shift the bits apart.
+/// Bit i of a number at bit 3i: a load is faster than to shift the bits apart. For what is inside a
+/// tile, or the tiles of a grid.
 constexpr auto kSpread = [] {
     std::array<std::uint32_t, std::size_t{1} << kMaxTileDepth> table{};
     for (std::uint32_t i = 0; i < table.size(); ++i)
@@ -106,8 +114,8 @@ constexpr auto kSpread = [] {
     return table;
 }();
 
-/// Morton code of a position inside a tile, in voxels or blocks.
-HWY_INLINE std::uint32_t code_in_tile(const ivec3& position) {
+/// Morton code of a position inside a tile, in voxels or blocks, or of a tile.
+HWY_INLINE std::uint32_t code_of(const ivec3& position) {
     const uvec3 p(position);
     return kSpread[p.x] | kSpread[p.y] << 1 | kSpread[p.z] << 2;
 }
@@ -118,44 +126,56 @@ public:
     Rasterizer(const FixedMesh& mesh, const ivec3& tile_corner, int tile_depth, VoxelRule rule,
                TileBitmap& bitmap)
         : space_(mesh),
-          tile_{tile_corner, tile_corner + ((1 << tile_depth) - 1)},
+          tile_corner_(tile_corner),
+          tile_first_(axes_from(tile_corner)),
+          tile_last_(axes_from(tile_corner + ((1 << tile_depth) - 1))),
           rule_(rule),
           bitmap_(bitmap) {}
 
     /// @param holes  of this triangle, or none
     void add(const std::array<FixedPoint, 3>& corners, const CutOuts::Triangle* holes) {
         holes_ = holes;
-        const CellRange all = space_.voxels(corners);
-        const CellRange voxels = intersection(all, tile_);
-        if (voxels.empty()) return;
+        const Axes first_of_all = space_.first_voxel(corners);
+        const Axes last_of_all = space_.last_voxel(corners);
+        const Axes first = hn::Max(first_of_all, tile_first_),
+                   last = hn::Min(last_of_all, tile_last_);
+        if (axes_of(hn::Gt(first, last)) != 0) return;
         // Bounds that meet one voxel lie inside it. (The thin rule may still leave that voxel out.)
-        if (all.first == all.last && rule_ == VoxelRule::conservative) return set_voxel(all.first);
+        if (axes_of(hn::Ne(first_of_all, last_of_all)) == 0 && rule_ == VoxelRule::conservative)
+            return set_voxel(ivec_of(first));
 
         const TriangleCells triangle(corners, space_.voxel_shift, rule_);
-        CellRange range = voxels.coarser(2);
-        if (range.first == range.last) return add_block(triangle, range.first);
-        if (voxels.longest_side() <= 4) return add_small(triangle, voxels);
+        const Axes first_block = hn::ShiftRight<2>(first), last_block = hn::ShiftRight<2>(last);
+        if (axes_of(hn::Ne(first_block, last_block)) == 0)
+            return add_block(triangle, ivec_of(first_block));
+        if (fits_window(first, last)) return add_small(triangle, {ivec_of(first), ivec_of(last)});
 
+        CellRange range{ivec_of(first_block), ivec_of(last_block)};
+        if (fits_window(first_block, last_block)) return add_blocks(triangle, range);
         const int bits = fit_window(range, 2);
-        if (bits == 2) return add_blocks(triangle, range);
         descend(space_, triangle, range.first, bits, 4, range.in_window(),
                 [&](const ivec3& cell) { add_aligned_blocks(triangle, cell << 2); });
     }
 
 private:
+    /// Whether a window of 4x4x4 cells that starts at the first one holds them.
+    static HWY_INLINE bool fits_window(Axes first, Axes last) {
+        return axes_of(hn::Gt(hn::Sub(last, first), hn::Set(kAxes, 3))) == 0;
+    }
+
     void set_voxel(const ivec3& voxel) {
-        const std::uint32_t code = code_in_tile(voxel - tile_.first);
+        const std::uint32_t code = code_of(voxel - tile_corner_);
         set_block(code >> 6, std::uint64_t{1} << (code & 63));
     }
 
     [[nodiscard]] std::uint32_t block_code(const ivec3& block) const {
-        return code_in_tile(block - (tile_.first >> 2));
+        return code_of(block - (tile_corner_ >> 2));
     }
 
     void set_block(std::uint32_t code, std::uint64_t voxels) {
         if (holes_ && voxels != 0)
-            voxels = holes_->keep(ivec3(morton_decode(code)) + (tile_.first >> 2), voxels);
-        if (voxels != 0) bitmap_.set(code, voxels);
+            voxels = holes_->keep(ivec3(morton_decode(code)) + (tile_corner_ >> 2), voxels);
+        bitmap_.set(code, voxels);
     }
 
     void add_block(const TriangleCells& triangle, const ivec3& block) {
@@ -174,10 +194,10 @@ private:
         const ivec3 corner = space_.corner(blocks.first, 2);
         constexpr int kFew = 27;  // to ask which of them are met costs more than to fill them
         if (blocks.count() <= kFew) {
-            triangle.for_each_block(corner, blocks.last - blocks.first + 1,
-                                    [&](const ivec3& block, std::uint64_t voxels) {
-                                        set_block(block_code(blocks.first + block), voxels);
-                                    });
+            triangle.for_each_block(
+                corner, blocks.last - blocks.first + 1, [&](unsigned code, std::uint64_t voxels) {
+                    set_block(block_code(blocks.first + kCellOfCode[code]), voxels);
+                });
             return;
         }
         fill_window(triangle, corner, blocks.in_window(), [&](unsigned code, std::uint64_t voxels) {
@@ -220,7 +240,8 @@ private:
     }
 
     Space space_;
-    CellRange tile_;
+    ivec3 tile_corner_;
+    Axes tile_first_, tile_last_;
     VoxelRule rule_;
     TileBitmap& bitmap_;
     const CutOuts::Triangle* holes_ = nullptr;
@@ -248,22 +269,23 @@ void RasterizeTile(const FixedMesh& mesh, const HoleLookup* lookup,
 void FindTiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, int grid_depth,
                int tile_depth, std::vector<TileTriangle>& out) {
     const Space space(mesh);
-    const CellRange grid{ivec3(0), ivec3((1 << grid_depth) - 1)};
+    const Axes grid_last = hn::Set(kAxes, (1 << grid_depth) - 1);
     std::array<FixedPoint, 3> corners;
     for (std::uint32_t t = begin; t < end; ++t) {
         if (!mesh.corners(t, corners)) continue;
-        const CellRange voxels = intersection(space.voxels(corners), grid);
-        if (voxels.empty()) continue;
+        const Axes first = hn::Max(space.first_voxel(corners), hn::Zero(kAxes));
+        const Axes last = hn::Min(space.last_voxel(corners), grid_last);
+        if (axes_of(hn::Gt(first, last)) != 0) continue;
 
-        const auto emit = [&](const ivec3& tile) {
-            out.push_back({static_cast<std::uint32_t>(morton_encode(uvec3(tile))), t});
-        };
-        CellRange range = voxels.coarser(tile_depth);
-        if (range.first == range.last) {
-            emit(range.first);
+        const auto emit = [&](const ivec3& tile) { out.push_back({code_of(tile), t}); };
+        const Axes first_tile = hn::ShiftRightSame(first, tile_depth);
+        const Axes last_tile = hn::ShiftRightSame(last, tile_depth);
+        if (axes_of(hn::Ne(first_tile, last_tile)) == 0) {
+            emit(ivec_of(first_tile));
             continue;
         }
         const TriangleCells triangle(corners, space.voxel_shift, VoxelRule::conservative);
+        CellRange range{ivec_of(first_tile), ivec_of(last_tile)};
         const int bits = fit_window(range, tile_depth);
         descend(space, triangle, range.first, bits, tile_depth, range.in_window(), emit);
     }

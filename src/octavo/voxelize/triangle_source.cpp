@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/morton.h"
@@ -47,20 +48,11 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
         find_tiles(mesh_, r.begin(), r.end(), grid_depth, tile_depth_, found.local());
     });
 
-    for (auto& part : found) {
-        if (pairs_.empty()) {
-            pairs_.swap(part);
-        } else {
-            pairs_.insert(pairs_.end(), part.begin(), part.end());
-        }
-        part = {};
-    }
     // The order of a tile's triangles makes no difference to its voxels.
-    std::vector<TileTriangle> scratch;
-    radix_sort(
-        pairs_, 3 * (grid_depth - tile_depth_), [](const TileTriangle& pair) { return pair.tile; },
-        scratch);
-    scratch = {};
+    std::vector<std::vector<TileTriangle>> parts;
+    for (auto& part : found) parts.push_back(std::move(part));
+    pairs_ = radix_sort_parts(parts, 3 * (grid_depth - tile_depth_),
+                              [](const TileTriangle& pair) { return pair.tile; });
 
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
         if (i > 0 && pairs_[i].tile == pairs_[i - 1].tile) continue;
@@ -70,7 +62,7 @@ void TriangleSource::sort_into_tiles(int grid_depth) {
     tile_begins_.push_back(pairs_.size());
 }
 
-void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const {
+void TriangleSource::voxelize(std::size_t index, TileOctree& octree) const {
     struct Holes final : HoleLookup {
         Holes(const FixedMesh& of_mesh, const CutOuts& of_scene)
             : mesh(of_mesh), cut_outs(of_scene) {}
@@ -83,7 +75,7 @@ void TriangleSource::voxelize(std::size_t index, std::vector<LeafBlock>& leaves)
     TileBitmap& bitmap = bitmaps_.local();
     rasterize_tile(mesh_, cut_outs_.empty() ? nullptr : &holes, triangles(index),
                    morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
-    bitmap.take(leaves);
+    bitmap.take(octree);
 }
 
 }  // namespace octavo

@@ -35,7 +35,7 @@ public:
 
     [[nodiscard]] int tile_depth() const override { return tile_depth_; }
     [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override { return tiles_; }
-    void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const override;
+    void voxelize(std::size_t index, TileOctree& octree) const override;
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
     [[nodiscard]] const CutOuts& cut_outs() const { return cut_outs_; }

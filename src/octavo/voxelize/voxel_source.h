@@ -4,13 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace octavo {
+#include "octavo/voxelize/tile_octree.h"
 
-/// One 4x4x4 block of voxels: a leaf of the DAG, and where it is.
-struct LeafBlock {
-    std::uint64_t voxels;  // not zero; bit b is the voxel with Morton code b in the block
-    std::uint32_t code;    // Morton code of the block inside its tile
-};
+namespace octavo {
 
 /// Something that can say which voxels a region of the grid contains. The grid is cut into cubic
 /// tiles of 2^tile_depth() voxels a side; each tile is answered on its own, from any thread.
@@ -24,9 +20,9 @@ public:
     /// Morton codes, increasing, of the tiles that may contain a voxel. Unit: tiles.
     [[nodiscard]] virtual const std::vector<std::uint64_t>& tiles() const = 0;
 
-    /// Fills `leaves` with the blocks of tiles()[index] that have a voxel, in Morton order. The
-    /// result depends on nothing but the source and the tile.
-    virtual void voxelize(std::size_t index, std::vector<LeafBlock>& leaves) const = 0;
+    /// Replaces `octree` by the voxels of tiles()[index], in all heights up to tile_depth() - 2.
+    /// The result depends on nothing but the source and the tile.
+    virtual void voxelize(std::size_t index, TileOctree& octree) const = 0;
 };
 
 }  // namespace octavo

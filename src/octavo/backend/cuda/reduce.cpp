@@ -59,17 +59,17 @@ public:
     Reducer(const Reducer&) = delete;
     Reducer& operator=(const Reducer&) = delete;
 
-    void reduce(NodeStore& store, const std::vector<LeafBlock>& leaves) {
+    void reduce(NodeStore& store, const TileOctree& octree) {
         const std::lock_guard lock(mutex_);
         check(cudaSetDevice(device_ < 0 ? 0 : device_), "choosing a device");
         codes_.clear();
         candidates_.clear();
-        for (const LeafBlock& leaf : leaves) {
+        for (const LeafBlock& leaf : blocks_of(octree, store.top())) {
             codes_.push_back(leaf.code);
             candidates_.push_back({{static_cast<std::uint32_t>(leaf.voxels),
                                     static_cast<std::uint32_t>(leaf.voxels >> 32)}});
         }
-        const auto n = static_cast<std::uint32_t>(leaves.size());
+        const auto n = static_cast<std::uint32_t>(codes_.size());
         auto* codes = put("leaf codes", std::span<const std::uint32_t>(codes_));
         auto* candidates = put("leaves", std::span<const Candidate>(candidates_));
         reduce_on_device(*memory_, codes, candidates, n, store.top(), stream_,
@@ -104,9 +104,8 @@ private:
 ReduceFunction make_reducer(int device) {
     (void)open_queue(device);  // says what is wrong with the device, before a stream is made
     auto reducer = std::make_shared<Reducer>(device);
-    return [reducer](NodeStore& store, const std::vector<LeafBlock>& leaves) {
-        reducer->reduce(store, leaves);
-    };
+    return
+        [reducer](NodeStore& store, const TileOctree& octree) { reducer->reduce(store, octree); };
 }
 
 }  // namespace octavo::cuda
