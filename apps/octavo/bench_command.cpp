@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "bench_build.h"
+#include "bench_picture.h"
 #include "bench_trace.h"
 #include "commands.h"
 #include "help.h"
@@ -9,7 +10,8 @@ namespace {
 
 constexpr const char* kExamples =
     "  octavo bench build sample:courtyard --resolutions 1K,2K,4K\n"
-    "  octavo bench trace scene.octv --mesh scene.glb --path fly.json --plot rays.svg\n";
+    "  octavo bench trace scene.octv --mesh scene.glb --path fly.json --plot rays.svg\n"
+    "  octavo bench picture scene.octv --device cuda --path fly.json\n";
 
 }  // namespace
 
@@ -19,6 +21,7 @@ void add_bench_command(CLI::App& program) {
     command.require_subcommand(1);
     add_bench_build(command);
     add_bench_trace(command);
+    add_bench_picture(command);
 }
 
 }  // namespace octavo::cli

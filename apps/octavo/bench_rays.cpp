@@ -28,25 +28,7 @@ dvec3 lifted(const SurfacePoint& point, const Grid& grid) {
     return point.position + kLift * grid.voxel_size * point.normal;
 }
 
-dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
-    return v * std::cos(angle) + glm::cross(axis, v) * std::sin(angle) +
-           axis * glm::dot(axis, v) * (1.0 - std::cos(angle));
-}
-
 }  // namespace
-
-Camera flight_camera(const Camera& start, const Box& content, const dvec3& up, int frame,
-                     int frames) {
-    const dvec3 axis = glm::normalize(up);
-    const double angle = 2.0 * std::numbers::pi * frame / frames;
-    const bool inside = glm::all(glm::greaterThan(start.eye, content.low)) &&
-                        glm::all(glm::lessThan(start.eye, content.high));
-    Camera camera = start;
-    camera.forward = turned(start.forward, axis, angle);
-    camera.up = turned(start.up, axis, angle);
-    if (!inside) camera.eye = content.centre() + turned(start.eye - content.centre(), axis, angle);
-    return camera;
-}
 
 RaySet primary_rays(const Camera& camera, const Grid& grid, int size) {
     const PixelRays rays(camera, grid, size, size);

@@ -26,11 +26,6 @@ struct SurfacePoint {
 /// Pixels of a tile follow each other.
 inline constexpr int kTilePixels = 8;
 
-/// Camera `frame` of a flight of `frames`. A camera among the voxels turns about itself; one
-/// outside circles the middle, so that it is back where it began after the last frame.
-[[nodiscard]] Camera flight_camera(const Camera& start, const Box& content, const dvec3& up,
-                                   int frame, int frames);
-
 /// One ray through the centre of each pixel, tile by tile.
 [[nodiscard]] RaySet primary_rays(const Camera& camera, const Grid& grid, int size);
 

@@ -17,15 +17,15 @@
 #include "bench_plot.h"
 #include "bench_rays.h"
 #include "bench_trace.h"
-#include "camera_path.h"
+#include "flight.h"
 #include "help.h"
 #include "machine.h"
+#include "median.h"
 #include "nanovdb_tracer.h"
 #include "octavo/backend/device.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/camera.h"
-#include "octavo/render/render.h"
 #include "octavo/trace/wide.h"
 #include "output.h"
 #include "scene_input.h"
@@ -72,13 +72,6 @@ double time_rays(std::size_t count, const Trace& trace) {
                 trace(i * kRaysPerTask, std::min(kRaysPerTask, count - i * kRaysPerTask));
         });
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 /// What one kind of ray came to, frame by frame; MRays/s.
@@ -310,37 +303,24 @@ struct Figures {
     std::vector<Cone> cones;
 };
 
-/// Camera `frame` of the flight.
-Camera camera_of(const std::optional<CameraPath>& path, const Camera& start, const Box& content,
-                 int frame, int frames) {
-    if (path) return path->camera(frame, frames);
-    return flight_camera(start, content, {0.0, 1.0, 0.0}, frame, frames);
-}
-
-Figures fly(const Model& model, Race& race, const std::optional<CameraPath>& path, int frames,
-            int size) {
+Figures fly(const Model& model, Race& race, const Flight& flight, int size) {
     Figures figures{std::vector<Row>(4), {{1.0}, {3.0}, {9.0}}};
     std::vector<Row>& rows = figures.rows;
     rows[0].name = "primary";
     rows[1].name = "hard shadow";
     rows[2].name = "soft shadow";
     rows[3].name = "ambient";
-    const dvec3 up(0.0, 1.0, 0.0);
-    const Box content = content_bounds(model.dag, model.grid());
-    const Camera start = model.metadata.cameras.empty() ? default_camera(content, up, 1.0)
-                                                        : model.metadata.cameras.front();
-    const dvec3 to_sun = -default_sun(start, up).direction;
-    for (int frame = 0; frame < frames; ++frame) {
-        const Camera camera = camera_of(path, start, content, frame, frames);
+    const dvec3 to_sun = -flight.sun().direction;
+    for (int frame = 0; frame < flight.frames(); ++frame) {
+        const Camera camera = flight.camera(frame);
         const RaySet primary = primary_rays(camera, model.grid(), size);
         race.primary(rows[0], primary, PixelRays(camera, model.grid(), size, size), size);
         const std::vector<SurfacePoint> points = race.surface(primary);
         race.any(rows[1], hard_shadow_rays(points, model.grid(), to_sun), true);
         race.any(rows[2], soft_shadow_rays(points, model.grid(), to_sun, kSunRadius, kSoftSamples),
                  true);
-        const double radius = 0.06 * glm::length(content.size());
-        const RaySet ambient =
-            ambient_rays(points, model.grid(), radius, kAmbientSamples, kAmbientStride);
+        const RaySet ambient = ambient_rays(points, model.grid(), flight.ambient_radius(),
+                                            kAmbientSamples, kAmbientStride);
         race.any(rows[3], ambient, false);
         for (Cone& cone : figures.cones) race.ambient_cone(cone, ambient);
     }
@@ -479,12 +459,12 @@ void run_trace(const BenchArguments& arguments) {
     setting.nanovdb_bytes = nanovdb ? nanovdb->size_bytes() : 0;
     setting.mesh = triangles != nullptr;
     if (device) setting.device = device->info().id() + ", " + device->info().name;
-    setting.frames = arguments.frames > 0 ? arguments.frames : path ? path->frames : 32;
+    const Flight flight(model, path, arguments.frames, 1.0);
+    setting.frames = flight.frames();
     setting.threads = arguments.threads > 0 ? arguments.threads : available_threads();
     Race race(model, triangles.get(), nanovdb.get(), device.get(), !arguments.no_wide);
     Figures figures;
-    with_threads(setting.threads,
-                 [&] { figures = fly(model, race, path, setting.frames, arguments.size); });
+    with_threads(setting.threads, [&] { figures = fly(model, race, flight, arguments.size); });
 
     const Json found = json(figures, arguments, setting);
     if (!arguments.plot.empty())

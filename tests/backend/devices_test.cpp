@@ -5,12 +5,15 @@
 
 #include <bit>
 #include <cstdio>
+#include <utility>
 
 #include "backend/test_devices.h"
 #include "octavo/construct/build.h"
+#include "octavo/mesh/load.h"
 #include "octavo/mesh/samples.h"
 #include "support/exact_trace.h"
 #include "support/random_rays.h"
+#include "support/shared_scenes.h"
 #include "support/small_dags.h"
 
 namespace octavo {
@@ -113,12 +116,25 @@ TEST_P(RaysSlow, MillionMeetTheSameVoxels) {
     Comparison comparison;
     for (const int depth : {6, 11, 17}) {
         const Dag dag = test::dust(depth, 0.55, 11);
-        compare(device(), dag, all_kinds(dag, 70 + static_cast<std::uint32_t>(depth), 250000),
+        compare(device(), dag, all_kinds(dag, 70 + static_cast<std::uint32_t>(depth), 200000),
                 kToVoxels, comparison);
     }
-    const Dag courtyard = test::build_at(make_sample("courtyard"), 10).dag;
-    compare(device(), courtyard, all_kinds(courtyard, 5, 250000), kToVoxels, comparison);
+    for (const auto& [name, scale] : {std::pair("courtyard", 1.0), std::pair("city", 0.3),
+                                      std::pair("hairball", 0.05), std::pair("scan", 0.02)}) {
+        const Dag dag = test::build_at(make_sample(name, scale), 10).dag;
+        compare(device(), dag, all_kinds(dag, 5, 100000), kToVoxels, comparison);
+    }
     comparison.print(GetParam(), "a million rays");
+    EXPECT_LE(comparison.ties, comparison.rays / 1000);
+}
+
+TEST_P(RaysSlow, MeetTheSameVoxelsInSponza) {
+    OCTAVO_REQUIRE_SCENE("sponza/Sponza.gltf");
+    const Scene scene = load_scene(test::shared_scenes() / "sponza/Sponza.gltf");
+    const Dag dag = test::build_at(scene, 11).dag;
+    Comparison comparison;
+    compare(device(), dag, all_kinds(dag, 5, 100000), kToVoxels, comparison);
+    comparison.print(GetParam(), "Sponza");
     EXPECT_LE(comparison.ties, comparison.rays / 1000);
 }
 

@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <functional>
 #include <random>
+#include <utility>
 
 #include "backend/coloured_scenes.h"
 #include "backend/test_devices.h"
+#include "octavo/backend/timed_queue.h"
 #include "octavo/construct/build.h"
 #include "octavo/mesh/samples.h"
 #include "octavo/render/render_lit.h"
@@ -292,6 +294,22 @@ TEST_P(Pictures, UnderAnySkyAreThoseOfTheCpu) {
     }
 }
 
+TEST_P(Pictures, AreTheSameWhenTheirPassesAreTimed) {
+    if (std::string(GetParam()) != "host") GTEST_SKIP() << "one device is enough";
+    const BuildResult& scene = courtyard();
+    PassTimes times;
+    const auto timed =
+        make_gpu_device(make_timed_queue(std::make_unique<test::HostQueue>(), times));
+    const RenderOptions options = small_picture();
+    const Image expected = device().render(*device().upload(scene.dag), scene.grid, options);
+    const Image found = timed->render(*timed->upload(scene.dag), scene.grid, options);
+    EXPECT_TRUE(found.color == expected.color);
+    for (const char* pass : {"beam", "primary", "surface", "sky", "lamp", "light", "shade"})
+        EXPECT_GT(times[pass], 0.0) << pass;
+    EXPECT_EQ(times.size(), 7u);
+    EXPECT_GT(times["sky"], times["shade"]);  // sixteen rays against none
+}
+
 TEST_P(Pictures, SayWhatWasNotUploaded) {
     const test::ColouredScene& scene = coloured_scenes().front();
     const auto bare = device().upload(scene.dag);
@@ -319,6 +337,43 @@ void add_points_of_the_courtyard(std::size_t most, std::size_t step, std::vector
     normals.push_back(vec3(0, 1, 0));
 }
 
+/// What a number of a point comes to on the CPU, when the point is moved by a thousandth of a voxel
+/// or less: positions in float are that far off.
+class Ties {
+public:
+    /// @param numbers  of each point, as the CPU has them where they are
+    explicit Ties(std::vector<vec3> numbers) : low_(numbers), high_(std::move(numbers)) {}
+
+    /// @param ask  ask(offset of all points, in voxels) gives the numbers there
+    template <typename Ask>
+    void look_around(const Ask& ask) {
+        std::mt19937 random(5);
+        std::normal_distribution<double> normal;
+        for (int k = 0; k < 48; ++k) {
+            const dvec3 some(normal(random), normal(random), normal(random));
+            const std::vector<vec3> there = ask(std::pow(10.0, -3.0 - k % 3) * some);
+            for (std::size_t i = 0; i < there.size(); ++i) {
+                low_[i] = glm::min(low_[i], there[i]);
+                high_[i] = glm::max(high_[i], there[i]);
+            }
+        }
+    }
+    /// @param slack  how far beyond what was seen it may be
+    [[nodiscard]] bool holds(std::size_t point, const vec3& found, float slack) const {
+        return glm::all(glm::greaterThanEqual(found, low_[point] - slack)) &&
+               glm::all(glm::lessThanEqual(found, high_[point] + slack));
+    }
+
+private:
+    std::vector<vec3> low_, high_;
+};
+
+std::vector<vec3> moved(const std::vector<vec3>& positions, const dvec3& offset) {
+    std::vector<vec3> there;
+    for (const vec3& p : positions) there.emplace_back(dvec3(p) + offset);
+    return there;
+}
+
 TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
     const test::ColouredScene& scene = coloured_scenes().back();
     std::vector<vec3> positions, normals;
@@ -334,6 +389,22 @@ TEST_P(GBuffer, IsGivenTheLooksAndTheLightOfItsCells) {
     ask(device(), found);
     ask(*open_device("cpu"), expected);
     std::size_t coloured = 0, lit = 0, different = 0;
+    for (int n = 0; n < 3; ++n) {
+        Ties ties(expected[n]);
+        ties.look_around([&](const dvec3& offset) {
+            std::vector<vec3> there[3];
+            for (auto& array : there) array.resize(count);
+            const std::vector<vec3> at = moved(positions, scene.grid.voxel_size * offset);
+            const auto cpu = open_device("cpu");
+            const auto uploaded = cpu->upload(scene.dag, scene.attributes, scene.light);
+            cpu->looks(*uploaded, scene.grid, at, normals, {there[0], there[1], there[2]});
+            return there[n];
+        });
+        for (std::size_t i = 0; i < count; ++i)
+            EXPECT_TRUE(ties.holds(i, found[n][i], 1e-3f))
+                << n << ": point " << i << ": " << glm::length(found[n][i] - expected[n][i])
+                << " off of " << glm::length(expected[n][i]);
+    }
     for (std::size_t i = 0; i < count; ++i) {
         coloured += expected[0][i] != vec3(0.0f);
         lit += expected[2][i] != vec3(0.0f);
@@ -368,7 +439,25 @@ TEST_P(GBuffer, IsGivenTheVisibilityOfTheCpu) {
     device().visibility(*uploaded, scene.grid, positions, normals, options, shadow, sky);
     const std::vector<dvec3> in_double(positions.begin(), positions.end());
     visibility(scene.dag, scene.grid, in_double, normals, options, expected_shadow, expected_sky);
-    // Positions in float move rays by some hundredths of a voxel.
+    const auto pairs = [](const std::vector<float>& a, const std::vector<float>& b) {
+        std::vector<vec3> both;
+        for (std::size_t i = 0; i < a.size(); ++i) both.emplace_back(a[i], b[i], 0.0f);
+        return both;
+    };
+    Ties ties(pairs(expected_shadow, expected_sky));
+    ties.look_around([&](const dvec3& offset) {
+        std::vector<dvec3> there;
+        for (const dvec3& p : in_double) there.push_back(p + scene.grid.voxel_size * offset);
+        std::vector<float> shadow_there(there.size()), sky_there(there.size());
+        visibility(scene.dag, scene.grid, there, normals, options, shadow_there, sky_there);
+        return pairs(shadow_there, sky_there);
+    });
+    // Of its many rays one may graze a voxel where none of the places around does.
+    const std::vector<vec3> both = pairs(shadow, sky);
+    for (std::size_t i = 0; i < both.size(); ++i)
+        EXPECT_TRUE(ties.holds(i, both[i], 1.01f / 16))
+            << "point " << i << ": " << shadow[i] << " " << sky[i] << " beside "
+            << expected_shadow[i] << " " << expected_sky[i];
     std::size_t different = 0;
     double off = 0.0;
     for (std::size_t i = 0; i < sky.size(); ++i) {

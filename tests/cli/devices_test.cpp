@@ -44,6 +44,25 @@ TEST(Devices, ListTheProcessorAndEveryKindOrWhyItIsMissing) {
     EXPECT_EQ(kinds, (std::set<std::string>{"cpu", "cuda", "vulkan"}));
 }
 
+TEST(BenchPicture, GivesTheTimeOfEachPictureAndOfEachPass) {
+    const TemporaryFolder folder;
+    const std::string bench = "octavo bench picture " + small_octv().string() +
+                              " --frames 2 --size 40x24 --ao 8 --json --device ";
+    const Outcome cpu = run_shell(folder.path(), bench + "cpu");
+    ASSERT_EQ(cpu.code, 0) << cpu.err;
+    EXPECT_EQ(Json::parse(cpu.out).at("seconds").at("frames").size(), 2u);
+    EXPECT_EQ(Json::parse(cpu.out).at("rays").at("primary"), 2 * 40 * 24);
+    EXPECT_FALSE(Json::parse(cpu.out).contains("passes"));
+    if (const std::string why = vulkan_missing(); !why.empty()) GTEST_SKIP() << why;
+    const Outcome vulkan = run_shell(folder.path(), bench + "vulkan");
+    ASSERT_EQ(vulkan.code, 0) << vulkan.err;
+    const Json figures = Json::parse(vulkan.out);
+    EXPECT_EQ(figures.at("rays").at("sky"), Json::parse(cpu.out).at("rays").at("sky"));
+    for (const char* pass : {"primary", "lamp", "sky"})
+        EXPECT_GT(figures.at("passes").at(pass).at("mrays_per_second"), 0.0) << pass;
+    EXPECT_GT(figures.at("passes").at("surface").at("seconds"), 0.0);
+}
+
 TEST(Devices, ThatAreNoneAreRefused) {
     const TemporaryFolder folder;
     const std::string render = "octavo render " + small_octv().string() + " -o a.png --size 8x8 ";

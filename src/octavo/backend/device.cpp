@@ -7,6 +7,7 @@
 
 #include "octavo/backend/cpu/cpu_device.h"
 #include "octavo/backend/gpu_device.h"
+#include "octavo/backend/timed_queue.h"
 #include "octavo/core/error.h"
 #if OCTAVO_HAS_CUDA
 #include "octavo/backend/cuda/cuda_queue.h"
@@ -39,17 +40,17 @@ std::vector<DeviceInfo> list_vulkan() {
 #endif
 }
 
-std::unique_ptr<Device> open_cuda([[maybe_unused]] int index) {
+std::unique_ptr<PassQueue> open_cuda([[maybe_unused]] int index) {
 #if OCTAVO_HAS_CUDA
-    return make_gpu_device(cuda::open_queue(index));
+    return cuda::open_queue(index);
 #else
     throw not_built("CUDA");
 #endif
 }
 
-std::unique_ptr<Device> open_vulkan([[maybe_unused]] int index) {
+std::unique_ptr<PassQueue> open_vulkan([[maybe_unused]] int index) {
 #if OCTAVO_HAS_VULKAN
-    return make_gpu_device(vulkan::open_queue({.device = index}));
+    return vulkan::open_queue({.device = index});
 #else
     throw not_built("Vulkan");
 #endif
@@ -86,8 +87,9 @@ bool is_gpu(const DeviceInfo& device) {
     return device.kind != DeviceKind::cpu && device.type != "CPU" && device.unusable.empty();
 }
 
-std::unique_ptr<Device> open_best() {
-    const std::pair<std::vector<DeviceInfo> (*)(), std::unique_ptr<Device> (*)(int)> kinds[] = {
+/// The best GPU, or none.
+std::unique_ptr<PassQueue> open_best() {
+    const std::pair<std::vector<DeviceInfo> (*)(), std::unique_ptr<PassQueue> (*)(int)> kinds[] = {
         {list_cuda, open_cuda}, {list_vulkan, open_vulkan}};
     for (const auto& [list, open] : kinds) {
         try {
@@ -97,7 +99,7 @@ std::unique_ptr<Device> open_best() {
             if (error.code() != Errc::unsupported) throw;
         }
     }
-    return make_cpu_device();
+    return nullptr;
 }
 
 }  // namespace
@@ -149,11 +151,18 @@ std::string only_on_cpu(const RenderOptions& options) {
     return {};
 }
 
-std::unique_ptr<Device> open_device(const std::string& name) {
-    if (name == "auto") return open_best();
-    if (name == "cpu") return make_cpu_device();
-    const NamedDevice device = parse(name, "auto, cpu, cuda, vulkan, cuda:N or vulkan:N");
-    return device.kind == DeviceKind::cuda ? open_cuda(device.index) : open_vulkan(device.index);
+std::unique_ptr<Device> open_device(const std::string& name, PassTimes* times) {
+    std::unique_ptr<PassQueue> queue;
+    if (name == "auto") {
+        queue = open_best();
+    } else if (name != "cpu") {
+        const NamedDevice device = parse(name, "auto, cpu, cuda, vulkan, cuda:N or vulkan:N");
+        queue =
+            device.kind == DeviceKind::cuda ? open_cuda(device.index) : open_vulkan(device.index);
+    }
+    if (!queue) return make_cpu_device();
+    if (times != nullptr) queue = make_timed_queue(std::move(queue), *times);
+    return make_gpu_device(std::move(queue));
 }
 
 ReduceFunction reducer_on(const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -128,12 +129,19 @@ public:
 /// What of these options only the CPU draws; empty where a GPU draws all.
 [[nodiscard]] std::string only_on_cpu(const RenderOptions& options);
 
+/// Seconds that a GPU took for each of its passes, by name: "beam", "primary", "surface", "sky",
+/// "lamp", "shade" and so on, see backend/passes.h.
+using PassTimes = std::map<std::string, double>;
+
 /// Opens a device by name: "cpu"; "cuda" or "vulkan", the best of its kind; "vulkan:1", one by its
 /// number; or "auto", the best GPU, or the CPU where there is none.
 ///
 /// @throws Error  bad_argument where the name is none of these; unsupported, saying why, where
 /// there is no such device
-[[nodiscard]] std::unique_ptr<Device> open_device(const std::string& name);
+/// @param times  where a GPU adds what its passes take; outlives the device, which then waits for
+///               each pass, so that the whole is slower. The CPU has no passes.
+[[nodiscard]] std::unique_ptr<Device> open_device(const std::string& name,
+                                                  PassTimes* times = nullptr);
 
 /// What reduces a build's tiles (BuildOptions::reduce) on a device: "cpu", "cuda" or "cuda:1".
 /// @throws Error  as open_device()
