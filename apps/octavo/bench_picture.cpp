@@ -149,7 +149,7 @@ std::string table(const Figures& figures, const PictureArguments& arguments) {
     const RayCounts& rays = figures.rays;
     std::string text = fmt::format(
         "{}\n{} pictures of {} x {}, {} shadow and {} ambient rays for each point\n"
-        "a picture in {:.2f} ms (median), {:.1f} a second; {:.0f} MRays/s in all\n",
+        "a picture in {:.2f} ms (median), {:.1f} a second; {:.1f} MRays/s in all\n",
         figures.device, figures.seconds.size(), arguments.size.x, arguments.size.y,
         arguments.shadow_rays, arguments.ambient_rays, 1e3 * frame, 1.0 / frame,
         1e-6 * static_cast<double>(rays.primary + rays.lamp + rays.sky) / (frames * frame));
