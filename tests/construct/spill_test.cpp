@@ -95,6 +95,16 @@ TEST(Spill, TheSceneIsGivenBackOnceItsTrianglesAreOnDisk) {
     EXPECT_EQ(scene.cameras.size(), cameras);
 }
 
+TEST(Build, GivesASceneWithoutHolesBackAndStillBuildsTheSame) {
+    Scene scene = make_sample("courtyard", 0.05);
+    const std::size_t cameras = scene.cameras.size();
+    const Dag expected = build(scene, at_depth(8)).dag;
+    EXPECT_TRUE(same_words(build_and_release(scene, at_depth(8)).dag, expected));
+    EXPECT_TRUE(scene.triangles.empty());
+    EXPECT_TRUE(scene.positions.empty());
+    EXPECT_EQ(scene.cameras.size(), cameras);
+}
+
 TEST(SpilledTriangles, GiveTheLeavesOfTrianglesInMemory) {
     const TemporaryFolder folder;
     Scene scene = test::random_scene(21, 400);

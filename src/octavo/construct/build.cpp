@@ -64,15 +64,18 @@ std::uint64_t triangle_buffer(const Scene& scene, const BuildOptions& options, i
     return std::max(std::uint64_t{4} << 20, left / 4);
 }
 
-void drop_geometry(Scene& scene) {
+/// Leaves of a scene what a build does not need. @return its triangles
+std::vector<uvec3> drop_geometry(Scene& scene) {
     Scene rest;
     rest.cameras = std::move(scene.cameras);
     std::vector<Light> glowing = mesh_lamps(scene);
     rest.lights = std::move(scene.lights);
     std::ranges::move(glowing, std::back_inserter(rest.lights));
     rest.warnings = std::move(scene.warnings);
+    std::vector<uvec3> triangles = std::move(scene.triangles);
     scene = std::move(rest);
     trim_memory();
+    return triangles;
 }
 
 /// A number that differs where anything does that decides the result or the order of its tiles.
@@ -118,12 +121,15 @@ SortedTriangles sort_triangles(const Scene& scene, Scene* disposable, const Buil
         sorted.degenerate = source->degenerate_triangles();
         sorted.non_finite = source->non_finite_triangles();
         sorted.source = std::move(source);
-        if (disposable != nullptr) drop_geometry(*disposable);
+        if (disposable != nullptr) (void)drop_geometry(*disposable);
     } else {
         auto source =
             std::make_unique<TriangleSource>(scene, plan.grid, options.rule, plan.tile_depth);
         sorted.degenerate = source->mesh().degenerate_triangles();
         sorted.non_finite = source->mesh().non_finite_triangles();
+        // Holes are found in the scene.
+        if (disposable != nullptr && source->cut_outs().empty())
+            source->keep_triangles(drop_geometry(*disposable));
         sorted.source = std::move(source);
     }
     return sorted;

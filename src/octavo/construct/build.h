@@ -72,8 +72,8 @@ struct BuildResult {
 [[nodiscard]] BuildResult build(const Scene& scene, const BuildOptions& options);
 
 /// The same for a scene that is not needed any more: its triangles, colours and textures are given
-/// back as soon as they are on disk. Cameras and lights stay, and what glows as lamps
-/// (mesh_lamps()).
+/// back as soon as they are on disk, or, of a scene without holes, rounded to the grid. Cameras and
+/// lights stay, and what glows as lamps (mesh_lamps()).
 [[nodiscard]] BuildResult build_and_release(Scene& scene, const BuildOptions& options);
 
 }  // namespace octavo

@@ -27,7 +27,7 @@ struct SortedTriangles {
     std::uint64_t count = 0, degenerate = 0, non_finite = 0;
 };
 
-/// @param disposable  the scene, if its triangles may be given up once they are on disk; or null
+/// @param disposable  the scene, if it may be given up once it is not needed; or null
 [[nodiscard]] SortedTriangles sort_triangles(const Scene& scene, Scene* disposable,
                                              const BuildPlan& plan, const BuildOptions& options,
                                              Scratch& scratch);

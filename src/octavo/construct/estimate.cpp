@@ -7,7 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "octavo/attributes/cell_index.h"
+#include "octavo/construct/build_plan.h"
+#include "octavo/construct/construct.h"
+#include "octavo/construct/sampled_tiles.h"
 #include "octavo/construct/scratch.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
@@ -16,11 +18,14 @@
 namespace octavo {
 namespace {
 
-constexpr int kCoarserBy = 3;  // levels
+// Of the tiles one in 4^3 is built, and of these one in four once more to see how the DAG grows
+// with what is in it; of grids below 4096^3, which have few tiles, more.
+constexpr int kMostRarity = 3;
+constexpr int kWholeDepth = 9;  // up to here all
 
-// The finer the voxels, the more a node has its like: from level to level growth falls, by 2 % for
-// architecture and 10 % for hair.
-constexpr double kGrowthDecay = 0.93;
+// Small tiles, so that there are many.
+constexpr int kTileDepth = 5, kMaxTileDepth = 7;
+constexpr int kTilesDepth = 7;
 
 // While it grows, the store holds the DAG and tables of 6 to 13 bytes for nodes of about 20.
 constexpr double kStoreBytesPerDagByte = 1.6;
@@ -46,53 +51,102 @@ constexpr std::uint64_t kLeastForAttributes = 8 << 20;
 constexpr std::uint64_t kLeastForAttributesPerThread = 10 << 20;
 constexpr double kTableBytesPerCell = 6 * 4.0 / CellValues::kBlockCells;
 
+/// What building a sample took.
 struct Trial {
-    double seconds = 0.0;
+    double sort_seconds = 0.0;
+    double tile_seconds = 0.0;
     double dag_bytes = 1.0;
-    double voxels = 1.0;
-    Dag dag;
+    double quarter_bytes = 1.0;  // of a DAG of a quarter of the sample, on average
+    double triangles = 0.0;      // sorted
+    Statistics statistics;
 };
 
-Trial try_build(const Scene& scene, const BuildOptions& options, int depth) {
-    BuildOptions coarse;
-    coarse.depth = depth;
-    coarse.rule = options.rule;
-    coarse.threads = options.threads;
+/// A scratch folder, or none, that is gone afterwards, come what may.
+class PassingScratch {
+public:
+    PassingScratch(std::filesystem::path folder, const BuildPlan& plan)
+        : folder_(std::move(folder)), scratch_(folder_, plan.key, plan.tile_depth - 2) {}
+    ~PassingScratch() {
+        scratch_.remove();
+        if (!folder_.empty()) delete_scratch(folder_);  // as an earlier one, killed, left it
+    }
+    PassingScratch(const PassingScratch&) = delete;
+    PassingScratch& operator=(const PassingScratch&) = delete;
+
+    [[nodiscard]] Scratch& operator*() { return scratch_; }
+
+private:
+    std::filesystem::path folder_;
+    Scratch scratch_;
+};
+
+Trial try_sample(const Scene& triangles, const BuildOptions& options, const Grid& grid,
+                 int tile_depth, const TileSample& sample) {
+    if (triangles.triangles.empty()) return {};
+    BuildOptions part;
+    part.grid = grid;
+    part.rule = options.rule;
+    part.threads = options.threads;
+    part.tile = 1u << tile_depth;
     // Not the cap itself: one that cannot be kept is to be found here and not to stop us.
     if (options.max_memory_bytes != 0 && !options.scratch.empty()) {
-        coarse.scratch = options.scratch;
-        coarse.scratch += "-estimate";
-        coarse.journal_interval = std::chrono::hours(24 * 365);
-        coarse.spill = {options.max_memory_bytes / 4 + 1, options.max_memory_bytes / 8 + 1};
+        part.scratch = options.scratch;
+        part.scratch += "-estimate";
+        part.spill = {options.max_memory_bytes / 4 + 1, options.max_memory_bytes / 8 + 1};
     }
-    struct Cleaner {
-        const std::filesystem::path& folder;
-        ~Cleaner() {
-            if (!folder.empty()) delete_scratch(folder);
-        }
-    } const cleaner{coarse.scratch};
-    coarse.progress = [&](const Progress&) {
+    part.progress = [&](const Progress&) {
         // Only to let the caller stop: these tiles are not progress of theirs.
         return !options.progress || options.progress({"estimate", 0, 0, 0});
     };
-    if (options.grid) {
-        coarse.grid = options.grid;
-        coarse.grid->voxel_size = std::ldexp(options.grid->voxel_size, options.grid->depth - depth);
-        coarse.grid->depth = depth;
-    }
-    const auto start = std::chrono::steady_clock::now();
-    BuildResult built = build(scene, coarse);
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    return {passed.count(), std::max(1.0, static_cast<double>(built.dag.size_bytes())),
-            std::max(1.0, static_cast<double>(built.statistics.voxels)), std::move(built.dag)};
+    Trial trial;
+    trial.triangles = static_cast<double>(triangles.triangles.size());
+    with_threads(options.threads, [&] {
+        const auto start = std::chrono::steady_clock::now();
+        const BuildPlan plan = plan_build(triangles, part);
+        PassingScratch for_triangles(part.scratch, plan);
+        const SortedTriangles sorted =
+            sort_triangles(triangles, nullptr, plan, part, *for_triangles);
+        const auto is_sorted = std::chrono::steady_clock::now();
+        const auto build_part = [&](const TileSample& of, const char* suffix) {
+            std::filesystem::path folder = part.scratch;
+            if (!folder.empty()) folder += suffix;
+            PassingScratch scratch(folder, plan);
+            return construct(SampledTiles(*sorted.source, of), grid.depth,
+                             {.max_store_bytes = part.spill.node_bytes,
+                              .progress = part.progress,
+                              .journal_interval = std::chrono::hours(24 * 365)},
+                             *scratch);
+        };
+        const auto bytes = [](const Constructed& built) {
+            return static_cast<double>(built.dag.size_bytes());
+        };
+        {
+            const Constructed whole = build_part(sample, "-whole");
+            trial.dag_bytes = std::max(1.0, bytes(whole));
+            trial.statistics = whole.statistics;
+        }
+        const auto end = std::chrono::steady_clock::now();
+        trial.sort_seconds = std::chrono::duration<double>(is_sorted - start).count();
+        trial.tile_seconds = std::chrono::duration<double>(end - is_sorted).count();
+        double of_quarters = 0.0;
+        const char* const suffixes[4] = {"-0", "-1", "-2", "-3"};
+        for (std::uint64_t i = 0; i < 4; ++i)
+            of_quarters += bytes(build_part(sample.quarter(i), suffixes[i]));
+        trial.quarter_bytes = std::max(1.0, of_quarters / 4.0);
+    });
+    return trial;
 }
 
-/// Of this level, which may be finer than the trials.
-double count_cells(const Trial& coarsest, const Trial& coarse, int level) {
-    if (level <= coarse.dag.depth())
-        return static_cast<double>(CellIndex(coarse.dag, level).count());
-    const double growth = std::clamp(coarse.voxels / coarsest.voxels, 1.0, 4.0);
-    return coarse.voxels * std::pow(growth, level - coarse.dag.depth());
+/// Of this level in the whole grid.
+double count_cells(const Trial& trial, const TileSample& sample, int depth, int tile_depth,
+                   int level) {
+    if (trial.statistics.levels.empty()) return 0.0;
+    // A sample's tiles tell nothing of cells larger than they are.
+    const int told = std::max(level, depth - tile_depth);
+    const double cells = static_cast<double>(
+        told == depth ? trial.statistics.voxels
+                      : trial.statistics.levels[static_cast<unsigned>(told)].svo_nodes);
+    return cells * std::pow(4.0, sample.rarity - (told - level));
 }
 
 double attribute_bytes_per_cell(const AttributeOptions& wanted, const Scene& scene) {
@@ -121,33 +175,34 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     const std::uint64_t import_peak = peak_resident_bytes();
     Estimate estimate;
     estimate.depth = options.grid ? options.grid->depth : options.depth;
-    const int near = std::max(estimate.depth - kCoarserBy, std::min(estimate.depth, 6));
-    const int far = std::max(near - 1, kMinDepth);
-    const Trial coarsest = try_build(scene, options, far);
-    Trial coarse = try_build(scene, options, near);
+    const Grid grid = options.grid ? *options.grid : smallest_cube(scene.bounds(), estimate.depth);
+    const int tile_depth = std::min(
+        estimate.depth, std::clamp(estimate.depth - kTilesDepth, kTileDepth, kMaxTileDepth));
+    const TileSample sample{std::clamp(estimate.depth - kWholeDepth, 0, kMostRarity)};
+    Scene triangles;
+    if (sample.rarity != 0)
+        with_threads(options.threads,
+                     [&] { triangles = triangles_of_sample(scene, grid, tile_depth, sample); });
+    const Trial trial =
+        try_sample(sample.rarity == 0 ? scene : triangles, options, grid, tile_depth, sample);
+    triangles = {};
     double cells = 0.0;
     if (attributes != nullptr) {
         const int level = attributes->level != 0 ? attributes->level
                                                  : AttributeOptions::usual_level(estimate.depth);
-        cells = count_cells(coarsest, coarse, level);
+        cells = count_cells(trial, sample, estimate.depth, tile_depth, level);
         estimate.attribute_bytes =
             static_cast<std::uint64_t>(cells * attribute_bytes_per_cell(*attributes, scene));
     }
-    coarse.dag = {};
     trim_memory();
 
-    // A surface has four times the voxels at twice the resolution, and never more nodes than that;
-    // time comes near that factor as voxels come to outnumber triangles.
-    const int levels = estimate.depth - near;
-    estimate.growth = std::clamp(coarse.dag_bytes / coarsest.dag_bytes, 1.0, 4.0);
-    double dag_bytes = coarse.dag_bytes;
-    for (int i = 0; i < levels; ++i) {
-        estimate.growth = std::max(1.0, kGrowthDecay * estimate.growth);
-        dag_bytes *= estimate.growth;
-    }
-    const double slowdown = std::clamp(coarse.seconds / coarsest.seconds, 3.0, 4.0);
-    estimate.seconds = coarse.seconds * std::pow(slowdown, levels);
+    // As much again three times, as at twice the resolution: never more than four times the nodes.
+    estimate.growth = std::clamp(trial.dag_bytes / trial.quarter_bytes, 1.0, 4.0);
+    const double dag_bytes = trial.dag_bytes * std::pow(estimate.growth, sample.rarity);
     estimate.dag_bytes = static_cast<std::uint64_t>(dag_bytes);
+    const auto all = static_cast<double>(scene.triangles.size());
+    estimate.seconds = trial.sort_seconds * all / std::max(trial.triangles, 1.0) +
+                       trial.tile_seconds * std::pow(4.0, sample.rarity);
 
     const auto threads =
         static_cast<std::uint64_t>(options.threads > 0 ? options.threads : available_threads());

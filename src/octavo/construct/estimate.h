@@ -9,7 +9,7 @@
 
 namespace octavo {
 
-/// What a build will take, as far as coarser builds can tell.
+/// What a build will take, as far as a part of it can tell.
 struct Estimate {
     int depth = 0;
     double seconds = 0.0;
@@ -23,12 +23,12 @@ struct Estimate {
     [[nodiscard]] std::uint64_t file_bytes() const { return dag_bytes + attribute_bytes; }
 };
 
-/// Estimates a build by doing it twice, at an eighth and a sixteenth of the resolution, and taking
-/// the growth from one to the other to go on. Surfaces make that a good guess: within a factor of
-/// two for the built-in scenes. Grids of less than 64^3 are built whole.
+/// Estimates a build by building some of its tiles, at random places: one in 64, or more of a grid
+/// below 4096^3, up to all from 512^3 down. How the DAG grows with what is in it is taken from
+/// quarters of these, and carried on. Within a quarter for the built-in scenes. Holes are not looked
+/// at.
 ///
-/// Cost: a few hundredths of the build where voxels outnumber triangles; up to a third where they
-/// do not.
+/// Cost: some hundredths of the build from 4096^3 on, and one pass over the triangles.
 ///
 /// @param attributes  what is to be averaged over the surfaces as well, or null; with a cap as if
 ///                    AttributeSource had been made already. What pictures take that are not

@@ -50,6 +50,15 @@ public:
     FixedMesh(const Frame& frame, std::vector<std::array<FixedPoint, 3>> triangles)
         : frame_(frame), clipped_(std::move(triangles)) {}
 
+    FixedMesh(const FixedMesh&) = delete;
+    FixedMesh& operator=(const FixedMesh&) = delete;
+
+    /// Takes the scene's own list of triangles, so that the scene need not outlive this.
+    void keep_triangles(std::vector<uvec3> triangles) {
+        kept_triangles_ = std::move(triangles);
+        scene_triangles_ = kept_triangles_;
+    }
+
     /// Number of triangles to voxelize. Non-finite ones are among them; see `corners`.
     [[nodiscard]] std::size_t size() const { return scene_triangles_.size() + clipped_.size(); }
 
@@ -107,6 +116,7 @@ private:
 
     Frame frame_;
     std::span<const uvec3> scene_triangles_;
+    std::vector<uvec3> kept_triangles_;
     std::vector<FixedPoint> points_;
     std::vector<std::array<FixedPoint, 3>> clipped_;
     std::vector<std::size_t> clipped_from_;
