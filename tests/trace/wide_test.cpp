@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/trace/partitions.h"
 #include "octavo/voxelize/tile_rasterizer.h"
 #include "support/random_rays.h"
 #include "support/small_dags.h"
@@ -35,7 +36,7 @@ void expect_same(const Dag& dag, const std::vector<s::GridRay>& rays, const s::S
         std::vector<s::GridHit> hits(rays.size());
         std::vector<std::uint8_t> occluded(rays.size(), 77);
         trace_closest_wide(dag, rays, stop, hits, walk);
-        trace_any_wide(dag, rays, stop, occluded, walk);
+        trace_any_wide(dag, rays, stop, occluded, nullptr, walk);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const s::GridHit& hit = expected[i];
             ASSERT_EQ(hit.face, hits[i].face) << what << " ray " << i;
@@ -140,27 +141,106 @@ private:
     test::RandomRays random_;
 };
 
-TEST_P(Wide, RaysThatRunCloseTogetherAreOccludedByTheSame) {
+/// How many of the rays partitions answered, after a comparison of all with the shared text.
+std::uint64_t count_proven(const Dag& dag, Partitions& partitions,
+                           const std::vector<s::GridRay>& rays, const s::Stop& stop,
+                           const std::string& what) {
+    const std::uint64_t before = partitions.earned();
+    std::vector<std::uint8_t> occluded(rays.size(), 77);
+    trace_any_wide(dag, rays, stop, occluded, &partitions);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        EXPECT_EQ(trace_any(s::view(dag), rays[i], stop) ? 1 : 0, occluded[i])
+            << what << " group " << i / 64 << " ray " << i;
+    return partitions.earned() - before;
+}
+
+std::vector<s::GridRay> light_rays(const Dag& dag, std::uint32_t seed) {
+    LightRays random(dag, seed);
+    std::vector<s::GridRay> rays;
+    // Those of a kind follow each other: with the first kind's directions all are told to be alike.
+    for (int i = 0; i < 6 * LightRays::kinds; ++i)
+        random.add(static_cast<LightRays::Kind>(i % LightRays::kinds), rays);
+    rays.resize(rays.size() - 21);
+    return rays;
+}
+
+TEST_P(Wide, PartitionsOccludeTheRaysThatTheSharedTextDoes) {
+    std::uint64_t proven = 0;
     for (int depth = 4; depth <= 17; ++depth)
-        for (const Dag& dag : {test::dust(depth, 0.35, 4), test::dust(depth, 0.6, 5),
-                               test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2)}) {
-            LightRays light_rays(dag, static_cast<std::uint32_t>(depth));
-            std::vector<s::GridRay> rays;
-            for (int i = 0; i < 6 * LightRays::kinds; ++i)
-                light_rays.add(static_cast<LightRays::Kind>(i % LightRays::kinds), rays);
-            rays.resize(rays.size() - 21);
-            for (const int height : {0, 1, 3}) {
-                const s::Stop stop{height, 0.0f, 0.0f};
-                for (const WideWalk walk : {WideWalk::near_nodes, WideWalk::far_nodes}) {
-                    std::vector<std::uint8_t> occluded(rays.size(), 77);
-                    trace_any_wide(dag, rays, stop, occluded, walk, Sheaves::always);
-                    for (std::size_t i = 0; i < rays.size(); ++i)
-                        ASSERT_EQ(trace_any(s::view(dag), rays[i], stop) ? 1 : 0, occluded[i])
-                            << "depth " << depth << " height " << height << " group " << i / 64
-                            << " ray " << i;
-                }
+        for (const Dag& dag : {test::dust(depth, 0.35, 4), test::dust(depth, 0.75, 5),
+                               test::slanted_wall(depth, {3, -5, 7}, (3 << depth) / 2),
+                               test::slanted_wall(depth, {0, 1, 0}, (1 << depth) / 3),
+                               test::slanted_wall(depth, {1, 0, -1}, (1 << depth) / 5),
+                               test::slanted_wall(depth, {1, 17, 2}, 5 << depth)}) {
+            if (dag.empty()) continue;
+            const auto rays = light_rays(dag, static_cast<std::uint32_t>(depth));
+            for (int height = 3; height < std::min(depth, 8); ++height) {
+                Partitions partitions(dag, height);
+                partitions.make_all();
+                ASSERT_EQ(partitions.height(), height);
+                for (const s::Stop& stop :
+                     {s::Stop{0, 0.0f, 0.0f}, s::Stop{3, 0.0f, 0.0f}, s::Stop{0, 0.02f, 5.0f}})
+                    proven += count_proven(
+                        dag, partitions, rays, stop,
+                        "depth " + std::to_string(depth) + " height " + std::to_string(height));
+                if (HasFailure()) return;
             }
         }
+    EXPECT_GT(proven, 100000u);
+}
+
+TEST_P(Wide, PartitionsOccludeRaysAlongEdgesAndThroughCorners) {
+    for (const ivec3& across : {ivec3(0, 1, 0), ivec3(1, 1, 0), ivec3(1, -1, 1)}) {
+        const int depth = 9;
+        const Dag dag = test::slanted_wall(depth, across, 200);
+        Partitions partitions(dag, 5);
+        partitions.make_all();
+        for (int kind = 0; kind < test::RandomRays::kinds; ++kind) {
+            test::RandomRays random(static_cast<std::uint32_t>(kind), 1 << depth);
+            std::vector<s::GridRay> rays;
+            for (int i = 0; i < 40; ++i) {
+                // Copies of a ray beside each other by whole voxels: the same ties of planes.
+                const s::GridRay one =
+                    test::grid_ray(random(static_cast<test::RandomRays::Kind>(kind)));
+                for (int k = 0; k < 64; ++k) {
+                    rays.push_back(one);
+                    rays.back().cell += ivec3(k & 3, k >> 2 & 3, k >> 4) - 2;
+                }
+                EXPECT_LE(count_proven(dag, partitions, rays, {0, 0.0f, 0.0f},
+                                       "kind " + std::to_string(kind)),
+                          64u);
+                rays.clear();
+            }
+        }
+    }
+}
+
+/// Rays into the middle of nodes of a wall that is one voxel thick, nearly level.
+struct RaysIntoAWall {
+    Dag dag = test::slanted_wall(11, {1, 17, 2}, 10760);
+    std::vector<s::GridRay> rays;
+
+    RaysIntoAWall() {
+        for (int i = 0; i < 4096; ++i)
+            rays.push_back(test::grid_ray({{600 + i / 64, 1900, 500 + i % 64}, {0.3, -1, 0.2}}));
+    }
+};
+
+TEST_P(Wide, NearlyAllRaysIntoAWallAreAnsweredByPartitions) {
+    const RaysIntoAWall wall;
+    Partitions partitions(wall.dag);
+    partitions.make_all();
+    EXPECT_GT(count_proven(wall.dag, partitions, wall.rays, {0, 0.0f, 0.0f}, "wall"), 3600u);
+}
+
+TEST_P(Wide, PartitionsAreMadeAsRaysAskForThem) {
+    const RaysIntoAWall wall;
+    Partitions partitions(wall.dag);
+    EXPECT_EQ(partitions.count(), 0u);
+    for (int i = 0; i < 20; ++i)
+        count_proven(wall.dag, partitions, wall.rays, {0, 0.0f, 0.0f}, "on demand");
+    EXPECT_GT(partitions.count(), 0u);
+    EXPECT_GT(partitions.earned(), 4096u);
 }
 
 TEST_P(Wide, NotANumberEndsWithoutAHit) {
@@ -175,13 +255,15 @@ TEST_P(Wide, NotANumberEndsWithoutAHit) {
 TEST_P(Wide, NotANumberDoesNotDisturbTheOtherRays) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Dag dag = test::slanted_wall(12, {3, -5, 7}, 6000);
+    Partitions partitions(dag);
+    partitions.make_all();
     LightRays light_rays(dag, 3);
     std::vector<s::GridRay> rays;
     for (int i = 0; i < 40; ++i) light_rays.add(LightRays::sun, rays);
     for (std::size_t i = 0; i < rays.size(); i += 5)
         (i % 2 == 0 ? rays[i].dir : rays[i].frac)[static_cast<int>(i % 3)] = nan;
     std::vector<std::uint8_t> occluded(rays.size());
-    trace_any_wide(dag, rays, {0, 0.0f, 0.0f}, occluded, WideWalk::by_size, Sheaves::always);
+    trace_any_wide(dag, rays, {0, 0.0f, 0.0f}, occluded, &partitions);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (i % 5 == 0) continue;
         ASSERT_EQ(trace_any(s::view(dag), rays[i], {0, 0.0f, 0.0f}) ? 1 : 0, occluded[i]) << i;

@@ -101,22 +101,15 @@ void Lamp::place_triangles(const Grid& grid) {
     placed_.area = static_cast<float>(area);
 }
 
-float queue_lamp_rays(const shared::DagView& dag, const SeenLamp& lamp, int first, int end,
-                      std::uint32_t seed, bool beam, RayQueue& queue) {
+float queue_lamp_rays(const SeenLamp& lamp, int first, int end, std::uint32_t seed,
+                      RayQueue& queue) {
     float all = 0.0f;
     if (lamp.dark()) return all;
-    vec2 interval(0.0f, 1e30f);
-    if (beam && end - first >= shared::kRaysForABeam) interval = lamp.interval(dag);
     for (int i = first; i < end; ++i) {
-        shared::LampSample sample = lamp.ray(i, seed);
+        const shared::LampSample sample = lamp.ray(i, seed);
         if (!(sample.light > 0.0f)) continue;
         all += sample.light;
-        sample.ray.t_min = std::max(sample.ray.t_min, interval.x);
-        sample.ray.t_max = std::min(sample.ray.t_max, interval.y);
-        if (sample.ray.t_min < sample.ray.t_max)
-            queue.add(sample.ray, sample.light);
-        else
-            queue.add_seen(sample.light);
+        queue.add(sample.ray, sample.light);
     }
     return all;
 }

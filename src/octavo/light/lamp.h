@@ -53,22 +53,18 @@ public:
     }
     [[nodiscard]] shared::Bundle bundle() const { return seen_lamp_bundle(lamp_, seen_); }
 
-    /// The times between which geometry may be on its rays; none where x >= y.
-    [[nodiscard]] vec2 interval(const shared::DagView& dag) const {
-        return lamp_interval(dag, lamp_, seen_);
-    }
-
 private:
     shared::PlacedLamp lamp_;
     shared::SeenPlacedLamp seen_;
 };
 
 /// Puts the rays [first, end) of a pixel towards a lamp into the queue's last group, which adds up
-/// the light of those that see it. What the group sees is that of shared::lamp_light(), to the bit
+/// the light of those that see it; rays are not cut to the lamp's interval, which GPUs do
+/// (docs/adr/0032-partitions.md). What the group sees is that of shared::lamp_light(), to the bit
 /// but for the order of the sum.
 ///
 /// @return  the light of all rays, seen or not
-float queue_lamp_rays(const shared::DagView& dag, const SeenLamp& lamp, int first, int end,
-                      std::uint32_t seed, bool beam, RayQueue& queue);
+float queue_lamp_rays(const SeenLamp& lamp, int first, int end, std::uint32_t seed,
+                      RayQueue& queue);
 
 }  // namespace octavo

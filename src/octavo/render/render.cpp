@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
 #include "octavo/render/visibility.h"
+#include "octavo/trace/partitions.h"
 #include "octavo/trace/ray_queue.h"
 #include "octavo/trace/wide.h"
 
@@ -32,12 +34,13 @@ constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
 /// All that the pixels of one picture have in common.
 class Picture {
 public:
-    Picture(const Dag& dag, const Grid& grid, const RenderOptions& options)
+    Picture(const Dag& dag, const Grid& grid, const RenderOptions& options, Partitions& partitions)
         : whole_dag_(dag),
           dag_(shared::view(dag)),
           grid_(grid),
           options_(options),
-          settings_(settle(dag, grid, options)) {
+          settings_(settle(dag, grid, options)),
+          partitions_(partitions) {
         for (const Light& light : settings_.lights) lamps_.emplace_back(light, grid);
     }
 
@@ -78,7 +81,8 @@ private:
         Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
             : normals(thread_normals),
               sky_queue(p.whole_dag_, p.settings_.ao_stop),
-              lamp_queues(p.lamps_.size(), RayQueue(p.whole_dag_, {0, 0.0f, 0.0f})) {
+              lamp_queues(p.lamps_.size(),
+                          RayQueue(p.whole_dag_, {0, 0.0f, 0.0f}, &p.partitions_)) {
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
                     pixels.emplace_back(x, y);
@@ -209,7 +213,7 @@ private:
             if (options_.shadows == Shadows::none)
                 add_unshadowed(lamp, some, rays_seed, queue);
             else
-                queue_lamp_rays(dag_, lamp, some.x, some.y, rays_seed, options_.beam, queue);
+                queue_lamp_rays(lamp, some.x, some.y, rays_seed, queue);
         }
         tile.waiting.push_back(w);
     }
@@ -259,6 +263,7 @@ private:
     const RenderOptions& options_;
     RenderSettings settings_;
     std::vector<Lamp> lamps_;
+    Partitions& partitions_;
 };
 
 /// Counts finished pixels and tells about them, one thread at a time.
@@ -287,7 +292,9 @@ private:
 }  // namespace
 
 Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
-    const Picture picture(dag, grid, options);
+    std::optional<Partitions> own;
+    if (options.partitions == nullptr) own.emplace(dag);
+    const Picture picture(dag, grid, options, own ? *own : *options.partitions);
     Image image(options.width, options.height);
     tbb::enumerable_thread_specific<NormalCache> normals;
     Reporter reporter(options.progress, image.color.size());

@@ -19,6 +19,8 @@
 
 namespace octavo {
 
+class Partitions;
+
 enum class Shadows { none, hard, soft };
 
 /// Where a primary ray meets a surface; t is infinite where it meets none.
@@ -59,6 +61,8 @@ struct RenderOptions {
                                    // occlusion alone ([K13] section 4)
     double bias = 1.0;             // with `primary`: see VisibilityOptions
     std::uint32_t frame = 0;       // another number gives other noise
+
+    Partitions* partitions = nullptr;  // of the DAG, kept for the next picture; none: made for this
 
     const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 

@@ -11,6 +11,7 @@
 #include "octavo/light/lamp.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
+#include "octavo/trace/partitions.h"
 #include "octavo/trace/ray_queue.h"
 
 namespace octavo {
@@ -68,13 +69,15 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
     check(options, positions.size(), normals.size(), shadow.size(), ambient.size());
     const bool shadows = options.light && !shadow.empty();
     const bool sky = options.ao_samples > 0 && !ambient.empty();
-    const shared::DagView view = shared::view(dag);
     const float radius = static_cast<float>(options.ao_radius / grid.voxel_size);
+    std::optional<Partitions> own;
+    if (shadows && options.partitions == nullptr) own.emplace(dag);
+    Partitions* const partitions = own ? &*own : options.partitions;
     const Lamp light(options.light.value_or(Light{}), grid);
 
     const auto trace_some = [&](std::size_t first, std::size_t end) {
         RayQueue sky_queue(dag, {0, static_cast<float>(options.ao_cone), 0.0f});
-        RayQueue lamp_queue(dag, {0, 0.0f, 0.0f});
+        RayQueue lamp_queue(dag, {0, 0.0f, 0.0f}, partitions);
         std::vector<float> all_light(end - first, 0.0f);  // that comes where nothing is in the way
         for (std::size_t i = first; i < end; ++i) {
             sky_queue.begin_group();
@@ -95,8 +98,8 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
                         sky_ray(*start, shared::kFaceNone, normal, radius, n, seed ^ 0x68bc21ebu));
             if (shadows)
                 all_light[i - first] =
-                    queue_lamp_rays(view, {light, *start, shared::kFaceNone, normal, false}, 0,
-                                    options.shadow_samples, seed ^ 0x02e5be93u, true, lamp_queue);
+                    queue_lamp_rays({light, *start, shared::kFaceNone, normal, false}, 0,
+                                    options.shadow_samples, seed ^ 0x02e5be93u, lamp_queue);
         }
         sky_queue.trace();
         lamp_queue.trace();

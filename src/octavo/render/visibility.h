@@ -13,6 +13,8 @@
 
 namespace octavo {
 
+class Partitions;
+
 /// What visibility() asks for.
 struct VisibilityOptions {
     std::optional<Light> light = {};  // none: the shadow array is not written
@@ -24,6 +26,8 @@ struct VisibilityOptions {
 
     double bias = 1.0;        // of visibility_bias()
     std::uint32_t frame = 0;  // another number gives other noise
+
+    Partitions* partitions = nullptr;  // of the DAG, kept for the next call; none: made for this
 };
 
 /// How far above a triangle, in voxels, no voxel of it reaches: |x| + |y| + |z| of its unit normal.

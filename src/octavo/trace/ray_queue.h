@@ -13,7 +13,9 @@ namespace octavo {
 /// some thousand rays, or one group.
 class RayQueue {
 public:
-    RayQueue(const Dag& dag, const shared::Stop& stop) : dag_(dag), stop_(stop) {}
+    /// @param partitions  as of trace_any_wide()
+    RayQueue(const Dag& dag, const shared::Stop& stop, Partitions* partitions = nullptr)
+        : dag_(dag), stop_(stop), partitions_(partitions) {}
 
     /// Begins a group. @return its number, from 0
     std::size_t begin_group() {
@@ -33,7 +35,7 @@ public:
     /// Traces what is waiting. Call it before seen().
     void trace() {
         occluded_.resize(rays_.size());
-        trace_any_wide(dag_, rays_, stop_, occluded_);
+        trace_any_wide(dag_, rays_, stop_, occluded_, partitions_);
         for (std::size_t i = 0; i < rays_.size(); ++i)
             if (occluded_[i] == 0) seen_[groups_[i]] += light_[i];
         rays_.clear();
@@ -51,6 +53,7 @@ private:
 
     const Dag& dag_;
     shared::Stop stop_;
+    Partitions* partitions_;
     std::vector<shared::GridRay> rays_;
     std::vector<float> light_;
     std::vector<std::size_t> groups_;

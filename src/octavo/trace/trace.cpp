@@ -215,7 +215,7 @@ void trace_any(const Dag& dag, const Grid& grid, std::span<const Ray> rays,
         }
         if (some.count == 0) return;
         trace_any_wide(dag, some.all(), {some.prepared[0].stop.height, 0.0f, 0.0f},
-                       std::span(found).first(some.count));
+                       std::span(found).first(some.count), options.partitions);
         for (std::size_t i = 0; i < some.count; ++i) occluded[some.places[i]] = found[i];
     });
 }

@@ -10,6 +10,8 @@
 
 namespace octavo {
 
+class Partitions;
+
 /// The points origin + t * direction with t_min <= t < t_max. The direction has any length but
 /// zero; t is in multiples of it. With NaN or infinity in origin or direction, or NaN in t, a ray
 /// misses.
@@ -49,6 +51,8 @@ struct Hit {
 struct TraceOptions {
     int level = kMaxDepth;  // at any cell of this level, which is then as good as full; 0 to 17
     double cone = 0.0;  // at any cell that subtends less than this, seen from the origin; radians
+    Partitions* partitions = nullptr;  // of the DAG: for trace_any() of many rays that run alike,
+                                       // as those to a lamp. The same results
 };
 
 /// The first voxel along a ray. Grid space: the same with a Grid of origin 0 and voxel size 1.

@@ -12,9 +12,10 @@
 // Must follow foreach_target.h.
 #include <hwy/highway.h>
 
+#include "octavo/trace/partitions.h"
 #include "octavo/trace/wide_batch-inl.h"
 #include "octavo/trace/wide_beam-inl.h"
-#include "octavo/trace/wide_sheaf-inl.h"
+#include "octavo/trace/wide_proof-inl.h"
 #include "octavo/trace/wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -100,7 +101,6 @@ void TraceClosest(shared::DagView dag, bool far_nodes, std::span<const shared::G
         walk_all<false>(dag, far_nodes, reader, stop, results);
 }
 
-/// Each by itself, with no more in common than the smallest node that holds the starts.
 template <bool kCone>
 HWY_NOINLINE void trace_any_alone(shared::DagView dag, bool far_nodes,
                                   std::span<const shared::GridRay> rays, shared::Stop stop,
@@ -110,57 +110,67 @@ HWY_NOINLINE void trace_any_alone(shared::DagView dag, bool far_nodes,
     walk_all<kCone>(dag, far_nodes, reader, stop, results);
 }
 
-/// Marks the rays that hit something, and tells the reader.
-struct SheafResults {
-    SheafReader& reader;
-    std::uint8_t* occluded;
+/// Rays that are still to be traced, and which ones they are.
+struct RaysLeft {
+    std::size_t count = 0;
+    std::array<shared::GridRay, 1024> rays;
+    std::array<std::uint32_t, 1024> numbers;
+    std::array<std::uint8_t, 1024> occluded;
 
-    HWY_INLINE void add(const HitLanes& lanes) {
-        HWY_ALIGN std::int32_t ray[kLanes];
-        const std::size_t count = hn::CompressStore(lanes.ray, lanes.hit, IntTag(), ray);
-        for (std::size_t i = 0; i < count; ++i) {
-            occluded[ray[i]] = 1;
-            reader.answer(ray[i]);
-        }
-    }
+    [[nodiscard]] bool has_room() const { return count + kRaysPerBatch <= rays.size(); }
 };
 
-/// In sheaves where rays run close together, alone where they do not.
-void TraceAnyInSheaves(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
-                       shared::Stop stop, std::uint8_t* occluded) {
-    SheafReader reader(dag, stop);
-    SheafResults results{reader, occluded};
-    std::size_t alone = 0;  // the first ray that is in no sheaf and still to be traced
-    const auto trace_alone = [&](std::size_t end) {
-        if (alone < end)
-            trace_any_alone<false>(dag, far_nodes, rays.subspan(alone, end - alone), stop,
-                                   occluded + alone);
-    };
-    constexpr std::size_t kStretch = SheafReader::kGroups * kRaysPerBatch;
-    for (std::size_t first = 0; first < rays.size(); first += kStretch) {
-        const std::size_t end = std::min(first + kStretch, rays.size());
-        reader.begin(first);
-        for (std::size_t next = first; next < end; next += kRaysPerBatch) {
-            if (!reader.add(rays, (next - first) / kRaysPerBatch)) continue;
-            trace_alone(next);
-            alone = std::min(next + kRaysPerBatch, end);
-        }
-        walk_all<false>(dag, far_nodes, reader, stop, results);
-    }
-    trace_alone(rays.size());
+template <bool kCone>
+void trace_any_left(shared::DagView dag, bool far_nodes, RaysLeft& left, shared::Stop stop,
+                    std::uint8_t* occluded) {
+    std::fill_n(left.occluded.begin(), left.count, std::uint8_t{0});
+    trace_any_alone<kCone>(dag, far_nodes, std::span(left.rays).first(left.count), stop,
+                           left.occluded.data());
+    for (std::size_t i = 0; i < left.count; ++i) occluded[left.numbers[i]] = left.occluded[i];
+    left.count = 0;
 }
 
-/// @return  do the first rays run close together?
-bool TraceAny(shared::DagView dag, bool far_nodes, bool sheaves,
-              std::span<const shared::GridRay> rays, shared::Stop stop, std::uint8_t* occluded) {
-    const bool alike = SheafReader::run_alike(rays.first(std::min(kRaysPerBatch, rays.size())));
-    if (stop.cone > 0.0f)
-        trace_any_alone<true>(dag, far_nodes, rays, stop, occluded);
-    else if (sheaves && alike && dag.depth > SheafReader::least_depth(stop))
-        TraceAnyInSheaves(dag, far_nodes, rays, stop, occluded);
+/// Those that partitions show to be occluded need not be traced.
+template <bool kCone>
+HWY_NOINLINE void trace_any_parted(shared::DagView dag, bool far_nodes, Partitions& partitions,
+                                   std::span<const shared::GridRay> rays, shared::Stop stop,
+                                   std::uint8_t* occluded) {
+    Prover prover(dag, partitions);
+    RaysLeft left;
+    for (std::size_t first = 0; first < rays.size(); first += kRaysPerBatch) {
+        const auto group = rays.subspan(first, std::min(kRaysPerBatch, rays.size() - first));
+        const std::uint64_t proven = prover.occluded(group);
+        if (!left.has_room()) trace_any_left<kCone>(dag, far_nodes, left, stop, occluded);
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            if ((proven >> i & 1) != 0) {
+                occluded[first + i] = 1;
+                continue;
+            }
+            left.rays[left.count] = group[i];
+            left.numbers[left.count++] = static_cast<std::uint32_t>(first + i);
+        }
+    }
+    trace_any_left<kCone>(dag, far_nodes, left, stop, occluded);
+    partitions.earn(prover.count_found());
+}
+
+template <bool kCone>
+void trace_any_of(shared::DagView dag, bool far_nodes, Partitions* partitions,
+                  std::span<const shared::GridRay> rays, shared::Stop stop,
+                  std::uint8_t* occluded) {
+    if (partitions != nullptr &&
+        Prover::run_alike(rays.first(std::min(kRaysPerBatch, rays.size()))))
+        trace_any_parted<kCone>(dag, far_nodes, *partitions, rays, stop, occluded);
     else
-        trace_any_alone<false>(dag, far_nodes, rays, stop, occluded);
-    return alike;
+        trace_any_alone<kCone>(dag, far_nodes, rays, stop, occluded);
+}
+
+void TraceAny(shared::DagView dag, bool far_nodes, Partitions* partitions,
+              std::span<const shared::GridRay> rays, shared::Stop stop, std::uint8_t* occluded) {
+    if (stop.cone > 0.0f)
+        trace_any_of<true>(dag, far_nodes, partitions, rays, stop, occluded);
+    else
+        trace_any_of<false>(dag, far_nodes, partitions, rays, stop, occluded);
 }
 
 float BeamStart(shared::DagView dag, const shared::Bundle& beam, shared::Stop stop) {
@@ -185,17 +195,6 @@ bool far_nodes(const Dag& dag, WideWalk walk) {
     constexpr std::uint64_t kNearBytes = std::uint64_t{64} << 20;
     return walk == WideWalk::by_size ? dag.size_bytes() > kNearBytes : walk == WideWalk::far_nodes;
 }
-
-/// Where space is crowded, shafts find nothing to cross. Words for each square of voxels of a face
-/// of the grid, at 4096^3: courtyard 0.2, scan 0.4, hairball 6.
-bool is_crowded(const Dag& dag) {
-    return dag.words().size() > 2 * (std::uint64_t{dag.resolution()} * dag.resolution());
-}
-
-/// Rays that meet nothing have to pass all cells of their shaft: where they are many, it costs more
-/// than it saves. The rays that this thread traced last are the nearest thing to know it by.
-constexpr double kMostlyOccluded = 0.7;
-thread_local bool last_were_occluded = true;
 
 /// Vectors and the shared text choose differently between a number and what is none.
 bool is_finite(const shared::Bundle& beam) {
@@ -234,7 +233,8 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded, WideWalk walk, Sheaves sheaves) noexcept {
+                    std::span<std::uint8_t> occluded, Partitions* partitions,
+                    WideWalk walk) noexcept {
     const shared::DagView view = shared::view(dag);
     if (!fits_lanes(dag, stop)) {
         for (std::size_t i = 0; i < rays.size(); ++i)
@@ -243,13 +243,9 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
     }
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     if (dag.empty() || rays.empty()) return;
-    const bool try_sheaves = sheaves == Sheaves::always || (!is_crowded(dag) && last_were_occluded);
-    const bool alike = HWY_DYNAMIC_DISPATCH(TraceAny)(view, far_nodes(dag, walk), try_sheaves, rays,
-                                                      stop, occluded.data());
-    if (alike && sheaves == Sheaves::where_they_pay)
-        last_were_occluded =
-            static_cast<double>(std::count(occluded.begin(), occluded.end(), std::uint8_t{1})) >
-            kMostlyOccluded * static_cast<double>(rays.size());
+    if (partitions != nullptr && partitions->height() == 0) partitions = nullptr;
+    HWY_DYNAMIC_DISPATCH(TraceAny)
+    (view, far_nodes(dag, walk), partitions, rays, stop, occluded.data());
 }
 
 }  // namespace octavo

@@ -9,8 +9,8 @@
 #include "octavo/trace/dag_view.h"
 
 /// Many rays at once: one in each lane of the widest vectors that the machine has (AVX-512, AVX2,
-/// SSE4, NEON; chosen at run time), straight through the words of the DAG, without tables beside
-/// it.
+/// SSE4, NEON; chosen at run time), straight through the words of the DAG. Tables beside it are
+/// up to the caller.
 ///
 /// The result for each ray is that of the shared text (traverse.h) to the last bit, but for
 /// GridHit::steps, which is 0. One thread; callers share rays out to threads.
@@ -18,6 +18,8 @@
 /// Rays that follow each other should start close together, like those of a pixel or of a tile of
 /// pixels: they share the way down to the smallest cell that holds all their starts, and memory.
 namespace octavo {
+
+class Partitions;
 
 /// Rays that are set up together. A stream's bundles of this many should be the close ones.
 inline constexpr std::size_t kRaysPerBatch = 64;
@@ -38,16 +40,11 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
 [[nodiscard]] float beam_start_wide(const Dag& dag, const shared::Bundle& beam,
                                     shared::Stop stop) noexcept;
 
-/// Whether rays that run close together, as those of neighbouring pixels to a lamp do, share their
-/// way through empty space: docs/adr/0027-sheaves-of-shadow-rays.md. The same results.
-enum class Sheaves {
-    where_they_pay,  // where the last rays of this thread that ran close together were occluded
-    always,
-};
-
-/// @param occluded  as long as `rays`; 1 where the ray hits something, else 0
+/// @param occluded    as long as `rays`; 1 where the ray hits something, else 0
+/// @param partitions  of this DAG, or null: rays that run alike, as those to a lamp do, take a
+///                    third of the time with them where walls are in their way. The same results.
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
-                    std::span<std::uint8_t> occluded, WideWalk walk = WideWalk::by_size,
-                    Sheaves sheaves = Sheaves::where_they_pay) noexcept;
+                    std::span<std::uint8_t> occluded, Partitions* partitions = nullptr,
+                    WideWalk walk = WideWalk::by_size) noexcept;
 
 }  // namespace octavo
