@@ -146,7 +146,14 @@ void Race::any(Row& row, const RaySet& set, bool coherent) {
         trace_any_wide(model_.dag, std::span(set.voxel_rays).subspan(first, count), {0, 0.0f, 0.0f},
                        std::span(wide_any).subspan(first, count), &partitions_);
     };
-    if (wide_ && coherent) time_rays(set.size(), trace_wide);
+    if (wide_ && coherent) {
+        constexpr int kMostPasses = 8;
+        std::size_t tables = 0;
+        for (int i = 0; i < kMostPasses && (i == 0 || partitions_.count() > tables); ++i) {
+            tables = partitions_.count();
+            time_rays(set.size(), trace_wide);
+        }
+    }
     double wide = one;
     if (wide_)
         wide = time_rays(set.size(), trace_wide);
