@@ -51,7 +51,7 @@ public:
     void earn(std::size_t rays) noexcept { earned_.fetch_add(rays, std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t earned() const { return earned_.load(std::memory_order_relaxed); }
 
-    /// Makes all, on all threads of the arena. Cost  docs/results.md
+    /// Makes all, on all threads of the arena. Cost  docs/adr/0032-partitions.md
     void make_all();
 
     [[nodiscard]] std::size_t count() const { return count_.load(std::memory_order_relaxed); }
