@@ -220,15 +220,51 @@ public:
         return blocks;
     }
 
-    /// What the tests of a window's blocks have in common: from one block to the next each value
-    /// changes by four voxels' steps, so the wide products are taken once for 64 blocks.
+    /// The plane in the blocks of a window: from one to the next its value changes by four voxels'
+    /// steps, so it is taken for all 64 at once, high bits only.
+    class PlaneOfBlocks {
+    public:
+        HWY_INLINE PlaneOfBlocks(const TriangleCells& triangle, const ivec3& corner)
+            : triangle_(triangle),
+              plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)),
+              limits_(triangle.plane_limits(plane_.last)) {
+            const auto least = hn::Set(kInt64, triangle.plane_least_);
+            const auto most = hn::Set(kInt64, triangle.plane_most_);
+            for (int i = 0; i < 8; i += kLanes64) {
+                const auto steps =
+                    hn::ShiftLeft<2>(hn::Load(kInt64, triangle.exact_plane_steps_ + i));
+                for (int eighth = 0; eighth < 8; ++eighth) {
+                    const auto first =
+                        hn::Set(kInt64, plane_.value + 8 * triangle.exact_plane_steps_[eighth]);
+                    const auto cut =
+                        hn::ShiftRightSame(hn::Add(steps, first), triangle.plane_low_bits_);
+                    hn::Store(hn::Min(hn::Max(cut, least), most), kInt64, high_ + 8 * eighth + i);
+                }
+            }
+        }
+
+        /// The voxels of the block with this Morton code in the window.
+        HWY_INLINE std::uint64_t voxels(unsigned code) const {
+            const HighBits high =
+                triangle_.on_plane_by_high_bits(static_cast<std::uint16_t>(high_[code]), limits_);
+            if (HWY_LIKELY(high.decide)) return high.on;
+            const std::int64_t* steps = triangle_.exact_plane_steps_;
+            return triangle_.on_plane_exactly(
+                {plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]), plane_.last});
+        }
+
+    private:
+        const TriangleCells& triangle_;
+        PlaneValue plane_;
+        PlaneLimits limits_;
+        HWY_ALIGN std::int64_t high_[64];
+    };
+
+    /// What the tests of a window's blocks have in common: the wide products are taken once.
     class BlockVoxels {
     public:
         HWY_INLINE BlockVoxels(const TriangleCells& triangle, const ivec3& corner)
-            : triangle_(triangle),
-              corner_(corner),
-              plane_(triangle.plane_value(corner, triangle.voxel_shift_, triangle.voxel_plane_)),
-              limits_(triangle.plane_limits(plane_.last)) {
+            : triangle_(triangle), corner_(corner), plane_(triangle, corner) {
             triangle.edge_values(corner, triangle.voxel_shift_, triangle.voxel_edge_offset(),
                                  edges_);
         }
@@ -255,17 +291,13 @@ public:
 
         /// The same for a block that is inside.
         HWY_INLINE std::uint64_t voxels_of_plane(unsigned code) const {
-            const std::int64_t* steps = triangle_.exact_plane_steps_;
-            return triangle_.on_plane(
-                {plane_.value + 4 * (steps[code & 7u] + 2 * steps[code >> 3]), plane_.last},
-                limits_);
+            return plane_.voxels(code);
         }
 
     private:
         const TriangleCells& triangle_;
         ivec3 corner_;
-        PlaneValue plane_;
-        PlaneLimits limits_;
+        PlaneOfBlocks plane_;
         EdgeValues edges_;
     };
 
@@ -299,12 +331,8 @@ public:
             found += met[found] != 0;
         }
 
-        const PlaneValue plane = plane_value(corner, voxel_shift_, voxel_plane_);
-        const PlaneLimits limits = plane_limits(plane.last);
-        for (unsigned i = 0; i < found; ++i) {
-            const unsigned code = codes[i];
-            set(code, met[i] & on_plane({plane.value + steps_to_block(code), plane.last}, limits));
-        }
+        const PlaneOfBlocks plane(*this, corner);
+        for (unsigned i = 0; i < found; ++i) set(codes[i], met[i] & plane.voxels(codes[i]));
     }
 
 private:
@@ -375,11 +403,6 @@ private:
         value = std::min(value, plane_most_);
         const HighBits high = on_plane_by_high_bits(static_cast<std::uint16_t>(value), limits);
         return HWY_LIKELY(high.decide) ? high.on : on_plane_exactly(plane);
-    }
-
-    /// By how much the plane's value differs at a block of a window.
-    HWY_INLINE std::int64_t steps_to_block(unsigned code) const {
-        return 4 * (exact_plane_steps_[code & 7u] + 2 * exact_plane_steps_[code >> 3]);
     }
 
     HWY_INLINE PlaneLimits plane_limits(std::int64_t last) const {
