@@ -215,8 +215,7 @@ public:
         edge_values(corner, shift, edge_offset_, edges);
         Blocks blocks;
         blocks.met = in_bounds(corner, shift) & on_plane(plane) & in_projections(edges);
-        // A triangle without area has a shadow without edges, and nothing is inside that.
-        blocks.inside = has_area_ ? blocks.met & inside_main_projection(edges) : 0;
+        blocks.inside = may_hold_block_ ? blocks.met & inside_main_projection(edges) : 0;
         return blocks;
     }
 
@@ -569,6 +568,7 @@ private:
     HWY_ALIGN std::int32_t bounds_high_[4];
     bool short_plane_;  // 64 bits hold the plane's value wherever a window can lie
     bool has_area_, thin_;
+    bool may_hold_block_;  // a block's shadow along the main axis may lie inside the triangle's
     std::uint16_t plane_slack_low_;  // as much may have been cut off values and steps
     int plane_slack_high_;
     std::int64_t plane_least_, plane_most_;  // beyond these no step leads onto the plane
@@ -607,6 +607,12 @@ HWY_INLINE void TriangleCells::set_plane() {
     std::int64_t size[3] = {std::abs(normal_[0]), std::abs(normal_[1]), std::abs(normal_[2])};
     std::int64_t largest = std::max({size[0], size[1], size[2]});
     main_projection_ = largest == size[2] ? 0 : largest == size[0] ? 1 : 2;
+    // A square that is inside is not wider than twice the area over the longest side. Without area
+    // there are no edges that could bound it.
+    const int u = main_projection_, v = (main_projection_ + 1) % 3;
+    const std::int64_t longest =
+        std::max(bounds_high_[u] - bounds_low_[u], bounds_high_[v] - bounds_low_[v]) - 1;
+    may_hold_block_ = has_area_ && largest >= longest << (voxel_shift_ + 2);
     if (size[0] + size[1] + size[2] == largest && largest > 1) {
         // Parallel to a face of the grid: any length will do.
         for (int axis = 0; axis < 3; ++axis) {
