@@ -134,8 +134,7 @@ void SurfaceSampler::release() const {
 }
 
 const Material& SurfaceSampler::material(std::uint32_t index) const {
-    static const Material plain;
-    return index < materials_.size() ? materials_[index] : plain;
+    return index < materials_.size() ? materials_[index] : plain_material(has_colors_);
 }
 
 const MipTexture* SurfaceSampler::mip_texture(int texture, int least_alpha) const {
