@@ -364,6 +364,25 @@ TEST(BuildAttributes, OnDiskTheyAreTheSameToTheBitAndNeedNoScene) {
     }
 }
 
+/// Under a cap the cells of a tile are gone over some at a time where triangles are many.
+TEST(BuildAttributes, ManyTrianglesInATileAreTheSameToTheBitUnderACap) {
+    const test::TemporaryFolder folder;
+    const Scene scene = make_sample("hairball", 0.1);
+    ASSERT_GT(scene.triangles.size(), 200000u) << "each has a part in one of the tile's cells";
+    const Built in_memory = build_with(scene, 6, {.normal = true, .level = 6});
+    const Attributes on_disk = build_attributes(scene, in_memory.dag, in_memory.grid,
+                                                {.normal = true,
+                                                 .level = 6,
+                                                 .max_memory_bytes = std::uint64_t{4} << 30,
+                                                 .scratch = folder.path()});
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        const auto channel = static_cast<Attributes::Channel>(c);
+        EXPECT_TRUE(std::ranges::equal(on_disk.channel(channel).words(),
+                                       in_memory.attributes.channel(channel).words()))
+            << c;
+    }
+}
+
 TEST(BuildAttributes, RefusesToPassTheMemoryCap) {
     const Scene scene = make_sample("courtyard", 0.01);
     BuildOptions how;
