@@ -30,17 +30,12 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 toward
 
 // What a white surface at a hit sends back, by the light of the cells around it.
 //
-// Each axis of the normal has the direction in which it points, as in the ambient cube of
-// McTaggart, "Half-Life 2 / Valve Source Shading", GDC 2004. What the sides have in common comes
-// from all around, and is the same for every normal between them; what one has more falls with the
-// cosine. That is exact for an even light, for a sun that one side alone sees, and for an even sky
-// over one side; weights that are the squares of the normal, as there, lose a quarter of the last
-// two where a surface turns.
-//
-// For each axis, the eight cells around the point half a cell below the surface are weighted as in
-// trilinear filtering; those that are empty, or hidden in this direction, are left out. So are those
-// whose face cannot be seen from before the hit: a wall has dark cells, or bright ones, on its
-// other side, and none of their light comes through.
+// Each axis of the normal has the direction in which it points, and counts by its square (the
+// ambient cube of McTaggart, "Half-Life 2 / Valve Source Shading", GDC 2004). For each, the eight
+// cells around the point half a cell below the surface are weighted as in trilinear filtering;
+// those that are empty, or hidden in this direction, are left out. So are those whose face cannot
+// be seen from before the hit: a wall has dark cells, or bright ones, on its other side, and none
+// of their light comes through.
 //
 //   surface  a ray from the hit, on its face (leave_hit)
 //   before   where the surface is seen from, and its normal: lifted off the face, or on it
@@ -74,7 +69,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
         uint rank = cell_rank(dag, cells, uvec3(cell));
         if (rank == kNoCell) continue;
         for (int axis = 0; axis < 3; axis += 1) {
-            if (abs(normal[axis]) < 0.02f) continue;
+            if (normal[axis] * normal[axis] < 0.002f) continue;
             int direction = 2 * axis + (normal[axis] > 0.0f ? 1 : 0);
             uint word = light_load(light, 6u * rank + uint(direction));
             if (word == kHiddenLight) continue;
@@ -93,21 +88,15 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
             weights[axis] += weight;
         }
     }
+    vec3 sum = vec3(0.0f);
     float total = 0.0f;
-    vec3 least = vec3(1e30f);
     for (int axis = 0; axis < 3; axis += 1) {
         if (weights[axis] <= 0.0f) continue;
-        sums[axis] = sums[axis] / weights[axis];
-        total += normal[axis] * normal[axis];
-        least = min(least, sums[axis]);
+        float square = normal[axis] * normal[axis];
+        sum += square / weights[axis] * sums[axis];
+        total += square;
     }
-    if (total > 0.0f) {
-        vec3 sum = least;
-        for (int axis = 0; axis < 3; axis += 1)
-            if (weights[axis] > 0.0f)
-                sum += abs(normal[axis]) / sqrt(total) * (sums[axis] - least);
-        return sum;
-    }
+    if (total > 0.0f) return sum / total;
     if (any(notEqual(own >> cells.level, ivec3(0)))) return vec3(0.0f);
     uint rank = cell_rank(dag, cells, uvec3(own));
     if (rank == kNoCell || face >= kFaceInside) return vec3(0.0f);
