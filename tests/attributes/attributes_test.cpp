@@ -13,6 +13,7 @@
 
 #include "octavo/attributes/build_attributes.h"
 #include "octavo/construct/build.h"
+#include "octavo/light/point_text.h"
 #include "octavo/mesh/samples.h"
 #include "octavo/render/render.h"
 #include "octavo/trace/trace.h"
@@ -143,6 +144,28 @@ TEST(BuildAttributes, AveragesOverTheAreaOfTheTrianglesInsideACell) {
             });
         EXPECT_GT(compared, 200u);
     }
+}
+
+TEST(BuildAttributes, AMeshThatSaysNothingOfColoursIsClay) {
+    const auto color_of = [](const Scene& scene) {
+        return build_with(scene, 4, {.level = 4}).attributes.color(0, vec3(0.0f));
+    };
+    Scene scene;
+    add_square(scene, dvec3(0.0), dvec3(1.0, 0.0, 0.0), dvec3(0.0, 1.0, 0.0), Material{});
+    EXPECT_EQ(color_of(scene), (Rgb8{255, 255, 255})) << "a material without a colour is white";
+
+    scene.triangle_materials.assign(2, Scene::kNoMaterial);
+    const vec3 clay = shared::clay();
+    for (int pass = 0; pass < 2; ++pass) {
+        const Rgb8 color = color_of(scene);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(color[static_cast<unsigned>(c)], srgb_from_linear(clay[c]), 0.6);
+        scene.triangle_materials.clear();
+        scene.materials.clear();
+    }
+
+    scene.colors.assign(4, {255, 255, 255, 255});
+    EXPECT_EQ(color_of(scene), (Rgb8{255, 255, 255})) << "colours at corners are what they say";
 }
 
 TEST(BuildAttributes, EverySideOfAThinWallKeepsItsColour) {
@@ -337,6 +360,25 @@ TEST(BuildAttributes, OnDiskTheyAreTheSameToTheBitAndNeedNoScene) {
         values.release(0, values.words().size());
         EXPECT_TRUE(
             std::ranges::equal(values.words(), in_memory.attributes.channel(channel).words()))
+            << c;
+    }
+}
+
+/// Under a cap the cells of a tile are gone over some at a time where triangles are many.
+TEST(BuildAttributes, ManyTrianglesInATileAreTheSameToTheBitUnderACap) {
+    const test::TemporaryFolder folder;
+    const Scene scene = make_sample("hairball", 0.1);
+    ASSERT_GT(scene.triangles.size(), 200000u) << "each has a part in one of the tile's cells";
+    const Built in_memory = build_with(scene, 6, {.normal = true, .level = 6});
+    const Attributes on_disk = build_attributes(scene, in_memory.dag, in_memory.grid,
+                                                {.normal = true,
+                                                 .level = 6,
+                                                 .max_memory_bytes = std::uint64_t{4} << 30,
+                                                 .scratch = folder.path()});
+    for (std::size_t c = 0; c < Attributes::kChannels; ++c) {
+        const auto channel = static_cast<Attributes::Channel>(c);
+        EXPECT_TRUE(std::ranges::equal(on_disk.channel(channel).words(),
+                                       in_memory.attributes.channel(channel).words()))
             << c;
     }
 }

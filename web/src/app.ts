@@ -19,7 +19,7 @@ import { faultNotice, hideLoading, hideNotice, notice, showLoading, toast } from
 import { megabytes, rounded } from './ui/numbers';
 import { type Offers, Panel } from './ui/panel';
 import { startTheme } from './ui/theme';
-import { type FoundCell, centreOf, voxelFacts } from './ui/voxel_facts';
+import { type FoundCell, centreOf, shortFacts, voxelFacts } from './ui/voxel_facts';
 import { type Axes, type Camera, type Frame, axesOf, defaultCamera, diagonalOf, forwardOf, framing, fromStored } from './view/camera';
 import { Controls } from './view/controls';
 import { kAllLights, kViewersSun, storedLight, storedSun, usableLights } from './view/lights';
@@ -90,6 +90,7 @@ export class App {
 
     private openConfigured(): void {
         const { config } = this;
+        if (!this.painter) return this.sayNoWebGl();
         if (!config) {
             notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
             return;
@@ -106,6 +107,7 @@ export class App {
     }
 
     private open(name: string, origin: Origin): void {
+        if (!this.painter) return this.sayNoWebGl();
         this.loader?.cancel();
         this.opened = { name, origin };
         this.scene = undefined;
@@ -266,7 +268,9 @@ export class App {
                 notice('This GPU cannot draw the scene', why, 'Update the browser or the graphics driver, or run octavo view --render-here.');
             },
         });
-        if (this.gpu) return;
+    }
+
+    private sayNoWebGl(): void {
         notice(
             'This browser has no WebGL 2',
             'The viewer draws with WebGL 2, which this browser lacks or has turned off.',
@@ -394,7 +398,12 @@ export class App {
     private async showVoxel(x: number, y: number): Promise<void> {
         const found = await this.pick(x, y);
         byId('voxel').hidden = !found;
-        if (found) fillFacts(byId('voxel-facts'), voxelFacts(found, this.scene!.metadata.grid, this.camera!.eye));
+        if (!found) return;
+        const facts = voxelFacts(found, this.scene!.metadata.grid, this.camera!.eye);
+        fillFacts(byId('voxel-facts'), facts);
+        byId('voxel').scrollIntoView({ block: 'nearest' });
+        // The panel may be closed, as it is on a phone.
+        if (byId('panel').classList.contains('closed')) toast(shortFacts(facts), 5000);
     }
 
     private async focusOn(x: number, y: number): Promise<void> {

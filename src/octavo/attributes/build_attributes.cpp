@@ -40,10 +40,6 @@ int tolerance_of(Channel channel, int tolerance) {
     return channel == Channel::color || channel == Channel::back ? tolerance : 0;
 }
 
-bool is_on_disk(const AttributeOptions& options) {
-    return options.max_memory_bytes != 0 && !options.scratch.empty();
-}
-
 /// Kept free under a cap for what tiles take while they are worked on, and the texels that they
 /// look at: of each page the system brings its neighbours along.
 std::uint64_t reserve_below(std::uint64_t cap) {
@@ -74,7 +70,7 @@ public:
     Averaging(const SurfaceTiles& triangles, const SurfaceSampler& surfaces, const Dag& dag,
               const AttributeOptions& options)
         : options_(options),
-          on_disk_(is_on_disk(options)),
+          on_disk_(options.is_on_disk()),
           cells_(dag, options.level),
           surfaces_(surfaces),
           tile_depth_(triangles.tile_depth()),
@@ -282,7 +278,7 @@ public:
 
 private:
     [[nodiscard]] std::filesystem::path scratch() const {
-        return is_on_disk(options) ? options.scratch : std::filesystem::path();
+        return options.is_on_disk() ? options.scratch : std::filesystem::path();
     }
 };
 
@@ -292,7 +288,7 @@ AttributeSource::AttributeSource(const Scene& scene, const Grid& grid,
         report(options.progress, {"attributes", 0, 0, 0});
         parts_ = std::make_unique<Parts>(scene, grid, options);
     });
-    if (is_on_disk(parts_->options)) trim_memory();
+    if (parts_->options.is_on_disk()) trim_memory();
 }
 
 AttributeSource::~AttributeSource() = default;

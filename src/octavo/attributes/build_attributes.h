@@ -31,6 +31,7 @@ struct AttributeOptions {
     /// A folder for temporary files, which have no name: under a cap the triangles, the textures
     /// and the attributes themselves go there. Empty: a cap that would be passed is an error.
     std::filesystem::path scratch = {};
+    [[nodiscard]] bool is_on_disk() const { return max_memory_bytes != 0 && !scratch.empty(); }
 
     /// What level 0 stands for.
     [[nodiscard]] static int usual_level(int depth) { return depth < 10 ? depth : 10; }

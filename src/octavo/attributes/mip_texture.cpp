@@ -32,31 +32,57 @@ struct Size {
     }
 };
 
-void fill(const Bitmap& picture, int least_alpha, std::uint32_t* texels) {
-    std::array<std::uint16_t, 256> linear{};
-    for (std::size_t i = 0; i < linear.size(); ++i)
-        linear[i] = static_cast<std::uint16_t>(
-            std::lround(linear_from_srgb8(static_cast<std::uint8_t>(i)) * 65535.0f));
-    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
-        const auto& p = picture.pixels[i];
-        store(
-            texels, i,
-            p[3] >= least_alpha ? Texel{linear[p[0]], linear[p[1]], linear[p[2]], 65535} : Texel{});
-    }
+/// Of each byte of sRGB.
+const std::array<std::uint16_t, 256>& linear_table() {
+    static const std::array<std::uint16_t, 256> table = [] {
+        std::array<std::uint16_t, 256> linear{};
+        for (std::size_t i = 0; i < linear.size(); ++i)
+            linear[i] = static_cast<std::uint16_t>(
+                std::lround(linear_from_srgb8(static_cast<std::uint8_t>(i)) * 65535.0f));
+        return linear;
+    }();
+    return table;
 }
 
-/// Sides are even.
-void halve(const std::uint32_t* fine, int width, std::uint32_t* coarse, std::size_t count) {
-    const auto row = static_cast<std::size_t>(width), half = row / 2;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t first = i / half * 2 * row + i % half * 2;
-        const Texel a = load(fine, first), b = load(fine, first + 1);
-        const Texel c = load(fine, first + row), d = load(fine, first + row + 1);
-        Texel mean;
-        for (std::size_t k = 0; k < 4; ++k)
-            mean[k] = static_cast<std::uint16_t>((a[k] + b[k] + c[k] + d[k] + 2) / 4);
-        store(coarse, i, mean);
+/// The texels of a picture at full size.
+class PictureTexels {
+public:
+    PictureTexels(const Bitmap& picture, int least_alpha)
+        : pixels_(picture.pixels.data()), least_alpha_(least_alpha), linear_(linear_table()) {}
+
+    [[nodiscard]] Texel operator()(std::size_t i) const {
+        const auto& p = pixels_[i];
+        if (p[3] < least_alpha_) return {};
+        return {linear_[p[0]], linear_[p[1]], linear_[p[2]], 65535};
     }
+
+private:
+    const std::array<std::uint8_t, 4>* pixels_;
+    int least_alpha_;
+    const std::array<std::uint16_t, 256>& linear_;
+};
+
+/// Texels that are stored.
+struct StoredTexels {
+    const std::uint32_t* texels;
+
+    [[nodiscard]] Texel operator()(std::size_t i) const { return load(texels, i); }
+};
+
+/// Sides of the fine one are even.
+template <class Fine>
+void halve(const Fine& fine, const Size& to, std::uint32_t* coarse) {
+    const auto width = static_cast<std::size_t>(to.width), row = 2 * width;
+    for (std::size_t y = 0; y < static_cast<std::size_t>(to.height); ++y)
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t first = 2 * y * row + 2 * x;
+            const Texel a = fine(first), b = fine(first + 1);
+            const Texel c = fine(first + row), d = fine(first + row + 1);
+            Texel mean;
+            for (std::size_t k = 0; k < 4; ++k)
+                mean[k] = static_cast<std::uint16_t>((a[k] + b[k] + c[k] + d[k] + 2) / 4);
+            store(coarse, y * width + x, mean);
+        }
 }
 
 /// Where a side is odd, a coarse texel covers two fine ones and parts of a third.
@@ -98,34 +124,41 @@ int detail::wrapped_texel(std::int64_t i, int size, Texture::Wrap wrap) {
     return static_cast<int>(in_period < size ? in_period : period - 1 - in_period);
 }
 
-MipTexture::MipTexture(const Bitmap& picture, Wraps wraps, int least_alpha,
+MipTexture::MipTexture(std::shared_ptr<const Bitmap> picture, Wraps wraps, int least_alpha,
                        const std::filesystem::path& scratch) {
-    std::vector<Size> sizes = {{picture.width, picture.height}};
-    std::size_t count = sizes[0].texels();
-    while (sizes.back().width > 1 || sizes.back().height > 1) {
+    std::vector<Size> sizes = {{picture->width, picture->height}};
+    while (sizes.back().width > 1 || sizes.back().height > 1)
         sizes.push_back(
             {std::max(1, sizes.back().width / 2), std::max(1, sizes.back().height / 2)});
-        count += sizes.back().texels();
-    }
+    const auto even = [](const Size& size) { return size.width % 2 == 0 && size.height % 2 == 0; };
+    const bool later = scratch.empty() && even(sizes[0]);
+    std::size_t count = 0;
+    for (std::size_t l = later ? 1 : 0; l < sizes.size(); ++l) count += 2 * sizes[l].texels();
 
-    auto words = std::make_shared<std::vector<std::uint32_t>>(2 * count);
-    std::uint32_t* texels = words->data();
-    fill(picture, least_alpha, texels);
+    auto words = std::make_shared_for_overwrite<std::uint32_t[]>(count);
+    std::uint32_t* texels = words.get();
+    const PictureTexels finest(*picture, least_alpha);
+    if (!later) {
+        for (std::size_t i = 0; i < sizes[0].texels(); ++i) store(texels, i, finest(i));
+        texels += 2 * sizes[0].texels();
+    }
     for (std::size_t l = 1; l < sizes.size(); ++l) {
-        const std::uint32_t* fine = texels;
-        texels += 2 * sizes[l - 1].texels();
-        if (sizes[l - 1].width % 2 == 0 && sizes[l - 1].height % 2 == 0) {
-            halve(fine, sizes[l - 1].width, texels, sizes[l].texels());
+        const StoredTexels fine{texels - 2 * sizes[l - 1].texels()};
+        if (l == 1 && later) {
+            halve(finest, sizes[l], texels);
+        } else if (even(sizes[l - 1])) {
+            halve(fine, sizes[l], texels);
         } else {
-            reduce(fine, sizes[l - 1], texels, sizes[l]);
+            reduce(fine.texels, sizes[l - 1], texels, sizes[l]);
         }
+        texels += 2 * sizes[l].texels();
     }
 
-    words_ = *words;
-    if (!scratch.empty() && words->size() > kSmallWords) {
+    words_ = {words.get(), count};
+    if (!scratch.empty() && count > kSmallWords) {
         SpillFile file(scratch / "texture", SpillFile::Kind::temporary);
-        file.write(0, words->data(), words->size() * sizeof(std::uint32_t));
-        auto mapped = std::make_shared<const MappedWords>(file, words->size());
+        file.write(0, words.get(), count * sizeof(std::uint32_t));
+        auto mapped = std::make_shared<const MappedWords>(file, count);
         words_ = mapped->words();
         owner_ = std::move(mapped);
         on_disk_ = true;
@@ -135,17 +168,35 @@ MipTexture::MipTexture(const Bitmap& picture, Wraps wraps, int least_alpha,
     const std::uint32_t* at = words_.data();
     for (const Size& size : sizes) {
         Level& level = levels_.emplace_back();
-        level.texels = at;
         level.width = size.width;
         level.height = size.height;
         level.wraps = wraps;
+        if (later && levels_.size() == 1) continue;
+        level.texels = at;
         at += 2 * size.texels();
+    }
+    if (later) {
+        finest_ = std::make_shared<Finest>();
+        finest_->picture = std::move(picture);
+        finest_->least_alpha = least_alpha;
+        finest_->level = levels_[0];
     }
 }
 
+const MipTexture::Level& MipTexture::finest() const {
+    std::call_once(finest_->made, [this] {
+        const PictureTexels texels(*finest_->picture, finest_->least_alpha);
+        const std::size_t count = finest_->picture->pixels.size();
+        finest_->texels = std::make_unique_for_overwrite<std::uint32_t[]>(2 * count);
+        for (std::size_t i = 0; i < count; ++i) store(finest_->texels.get(), i, texels(i));
+        finest_->level.texels = finest_->texels.get();
+    });
+    return finest_->level;
+}
+
 vec3 MipTexture::color_around(const glm::dvec2& coordinate) const {
-    for (const Level& level : levels_) {
-        const vec4 color = level.sample(coordinate);
+    for (int i = 0; i < static_cast<int>(levels_.size()); ++i) {
+        const vec4 color = level(i).sample(coordinate);
         if (color.a > 1e-5f) return vec3(color) / color.a;
     }
     return vec3(0.0f);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -25,13 +26,22 @@ struct TexelPair {
 };
 
 // Four channels at once; every compiler that we build with has these.
-typedef std::uint16_t FourWords __attribute__((vector_size(8)));
+typedef std::uint16_t EightWords __attribute__((vector_size(16)));
+typedef std::int32_t FourInts __attribute__((vector_size(16)));
 typedef float FourFloats __attribute__((vector_size(16)));
 
+// By way of whole registers: compilers take vectors of half a register apart.
 inline FourFloats texel_channels(const std::uint32_t* texel) {
-    FourWords bits;
-    std::memcpy(&bits, texel, sizeof bits);
-    return __builtin_convertvector(bits, FourFloats);
+    EightWords words{};
+    std::memcpy(&words, texel, 8);
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    const EightWords mixed = __builtin_shufflevector(words, EightWords{}, 0, 8, 1, 9, 2, 10, 3, 11);
+#else
+    const EightWords mixed = __builtin_shufflevector(words, EightWords{}, 8, 0, 9, 1, 10, 2, 11, 3);
+#endif
+    FourInts channels;
+    std::memcpy(&channels, &mixed, sizeof channels);
+    return __builtin_convertvector(channels, FourFloats);
 }
 
 }  // namespace detail
@@ -40,8 +50,9 @@ inline FourFloats texel_channels(const std::uint32_t* texel) {
 /// it covers. What is no part of the surface does not count: colours are multiplied by opacity,
 /// which is 0 or 1 at full size.
 ///
-/// Memory: 8 bytes for each pixel, and a third more; on disk where a scratch folder is given and
-/// the picture is not small.
+/// Memory: the picture, 4 bytes for each pixel, and 8 thirds for what is smaller; 8 more once a
+/// place is looked at in full size, which few scenes need. With a scratch folder, all sizes of a
+/// picture that is not small are on disk, and the picture is not kept.
 class MipTexture {
 public:
     struct Wraps {
@@ -51,7 +62,7 @@ public:
 
     /// @param least_alpha  alpha from which a pixel is part of the surface, 0 to 256; 0: all are
     /// @param scratch      a folder for a temporary file; or empty
-    MipTexture(const Bitmap& picture, Wraps wraps, int least_alpha,
+    MipTexture(std::shared_ptr<const Bitmap> picture, Wraps wraps, int least_alpha,
                const std::filesystem::path& scratch = {});
 
     [[nodiscard]] int width() const { return levels_[0].width; }
@@ -89,7 +100,8 @@ public:
     };
     /// @param level  log2 of the texels of the picture that a texel here is wide; 0 or more
     [[nodiscard]] const Level& level(int level) const {
-        return levels_[std::min(static_cast<std::size_t>(level), levels_.size() - 1)];
+        const std::size_t i = std::min(static_cast<std::size_t>(level), levels_.size() - 1);
+        return i == 0 && finest_ ? finest() : levels_[i];
     }
 
     /// The colour of the surface at the finest level that has any near this place; black where it
@@ -100,7 +112,18 @@ public:
     void release() const;
 
 private:
+    /// The level of full size, where it is made when it is first asked for.
+    struct Finest {
+        std::shared_ptr<const Bitmap> picture;
+        int least_alpha = 0;
+        std::once_flag made;
+        std::unique_ptr<std::uint32_t[]> texels;
+        Level level;
+    };
+    [[nodiscard]] const Level& finest() const;
+
     std::vector<Level> levels_;
+    std::shared_ptr<Finest> finest_;
     std::span<const std::uint32_t> words_;
     std::shared_ptr<const void> owner_;
     bool on_disk_ = false;

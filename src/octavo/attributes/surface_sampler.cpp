@@ -79,7 +79,7 @@ void SurfaceSampler::make_textures(const Scene& scene, const std::filesystem::pa
                 const auto picture = decoded_picture(scene, index, warnings[i]);
                 if (!picture) continue;
                 const Texture& texture = scene.textures[static_cast<std::size_t>(index)];
-                made[i].emplace(*picture, MipTexture::Wraps{texture.wrap_u, texture.wrap_v}, holes,
+                made[i].emplace(picture, MipTexture::Wraps{texture.wrap_u, texture.wrap_v}, holes,
                                 scratch);
             }
         },
@@ -134,8 +134,7 @@ void SurfaceSampler::release() const {
 }
 
 const Material& SurfaceSampler::material(std::uint32_t index) const {
-    static const Material plain;
-    return index < materials_.size() ? materials_[index] : plain;
+    return index < materials_.size() ? materials_[index] : plain_material(has_colors_);
 }
 
 const MipTexture* SurfaceSampler::mip_texture(int texture, int least_alpha) const {
@@ -203,8 +202,10 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
     const double middle = 0.5 * (uu + vv), reach = std::hypot(0.5 * (uu - vv), uv);
     const double length = std::sqrt(middle + reach);
     const double width = std::sqrt(std::max(middle - reach, 0.0));
-    filter.level = &filter.texture->level(0);
-    if (!(length > 0.0) || !std::isfinite(length)) return;
+    if (!(length > 0.0) || !std::isfinite(length)) {
+        filter.level = &filter.texture->level(0);
+        return;
+    }
 
     // A piece narrower than a texel needs no narrower samples.
     const double ratio = length / std::max({width, 1.0, length / kMostSamples});

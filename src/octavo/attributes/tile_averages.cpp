@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "octavo/attributes/triangle_pieces.h"
 #include "octavo/core/morton.h"
 
 namespace octavo {
@@ -14,6 +13,7 @@ namespace {
 constexpr std::uint32_t kNoNumber = 0xffffffffu;
 constexpr double kAreaUnits = 4294967296.0;  // of a cell's face
 constexpr double kNormalUnits = 16384.0;
+constexpr std::size_t kMostPartsUnderCap = 65536;
 // Triangles that face further away from the front than this are the back: some 105 degrees.
 constexpr float kOpposed = -0.25f;
 
@@ -113,25 +113,41 @@ TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles
       tile_depth_(triangles.tile_depth()),
       unit_(std::ldexp(1.0, -triangles.frame().fraction_bits)),
       kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
+      most_parts_(wanted.is_on_disk() ? kMostPartsUnderCap
+                                      : std::numeric_limits<std::size_t>::max()),
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth_ - 2)),
       firsts_(masks_.size()) {}
 
 void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues& out) {
     find_cells(range);
+    tile_ = tile;
     to_tile_ = dvec3(triangles_.frame().base) - dvec3(tile << static_cast<unsigned>(tile_depth_));
-    facets_.clear();
-    parts_.clear();
-    triangles_.for_each(tile, [&](const std::array<FixedPoint, 3>& corners, std::size_t in_scene) {
-        cut(corners, in_scene);
-    });
-    sort_parts();
-    touch_bare_cells();
     for (std::size_t c = 0; c < out.size(); ++c) out[c].resize(kept_[c] ? codes_.size() : 0);
-    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
-        write(cell,
-              std::span(part_order_)
-                  .subspan(part_begins_[cell], part_begins_[cell + 1] - part_begins_[cell]),
-              out);
+    const auto count = static_cast<std::uint32_t>(codes_.size());
+    std::uint32_t at_once = count;
+    for (begin_ = 0; begin_ < count; begin_ = end_) {
+        end_ = begin_ + std::min(at_once, count - begin_);
+        facets_.clear();
+        parts_.clear();
+        for_each_triangle(
+            [&](const Corners& corners, std::size_t in_scene) { cut(corners, in_scene); });
+        at_once = end_ - begin_;
+        sort_parts();
+        touch_bare_cells();
+        for (std::uint32_t cell = begin_; cell < end_; ++cell) write(cell, parts_of(cell), out);
+    }
+}
+
+std::span<const std::uint32_t> TileAverager::parts_of(std::uint32_t cell) const {
+    const std::uint32_t first = part_begins_[cell - begin_], end = part_begins_[cell - begin_ + 1];
+    return std::span(part_order_).subspan(first, end - first);
+}
+
+/// Half of the cells wait for the next time.
+void TileAverager::take_fewer_cells() {
+    if (end_ - begin_ < 2) return;
+    end_ = begin_ + (end_ - begin_) / 2;
+    std::erase_if(parts_, [&](const Part& part) { return part.cell >= end_; });
 }
 
 void TileAverager::find_cells(const CellRange& range) {
@@ -159,36 +175,49 @@ std::uint32_t TileAverager::number_of(const ivec3& cell) const {
     return firsts_[code >> 6] + static_cast<unsigned>(std::popcount(mask & (bit - 1)));
 }
 
-void TileAverager::cut(const std::array<FixedPoint, 3>& corners, std::size_t in_scene) {
+template <class Visit>
+void TileAverager::for_each_triangle(const Visit& visit) const {
+    triangles_.for_each(tile_, [&](const std::array<FixedPoint, 3>& fixed, std::size_t in_scene) {
+        Corners corners;
+        for (unsigned i = 0; i < 3; ++i)
+            corners[i] = dvec3(fixed[i].x, fixed[i].y, fixed[i].z) * unit_ + to_tile_;
+        visit(corners, in_scene);
+    });
+}
+
+TileAverager::Facet TileAverager::facet_of(const TrianglePieces& pieces) {
     Facet facet{};
-    facet.in_scene = in_scene;
-    for (unsigned i = 0; i < 3; ++i)
-        facet.corners[i] = dvec3(corners[i].x, corners[i].y, corners[i].z) * unit_ + to_tile_;
-    const TrianglePieces pieces(facet.corners);
-    if (pieces.area() > 0.0) {
-        const dvec3 n = pieces.normal();
-        for (int i = 0; i < 3; ++i)
-            facet.normal[static_cast<unsigned>(i)] = std::llround(n[i] * kNormalUnits);
-        const dvec3 size = glm::abs(n);
-        const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
-        facet.facing = 2 * axis + (n[axis] > 0.0);
-    }
+    if (!(pieces.area() > 0.0)) return facet;
+    const dvec3 n = pieces.normal();
+    for (int i = 0; i < 3; ++i)
+        facet.normal[static_cast<unsigned>(i)] =
+            static_cast<std::int16_t>(std::llround(n[i] * kNormalUnits));
+    const dvec3 size = glm::abs(n);
+    const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+    facet.facing = static_cast<std::int16_t>(2 * axis + (n[axis] > 0.0));
+    return facet;
+}
+
+void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
+    const TrianglePieces pieces(corners);
     const auto number = static_cast<std::uint32_t>(facets_.size());
-    facets_.push_back(facet);
+    facets_.push_back(facet_of(pieces));
     const SurfaceSampler::Triangle surface =
-        surfaces_.prepare(in_scene, facet.corners, footprint_of(pieces.area()));
+        surfaces_.prepare(in_scene, corners, footprint_of(pieces.area()));
     pieces.for_each(ivec3(0), ivec3(1 << tile_depth_), [&](const TrianglePieces::Piece& piece) {
         const std::uint32_t cell = number_of(piece.cell);
         const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
-        if (cell == kNoNumber || area == 0) return;
+        if (cell < begin_ || cell >= end_ || area == 0) return;  // or kNoNumber
         const SurfaceSample sample = surface.at(piece.centre);
-        if (sample.opacity != 0) parts_.push_back({cell, number, area, sample});
+        if (sample.opacity == 0) return;
+        parts_.push_back({cell, number, area, sample});
+        if (parts_.size() > most_parts_) take_fewer_cells();
     });
 }
 
 void TileAverager::sort_parts() {
-    part_begins_.assign(codes_.size() + 1, 0);
-    for (const Part& part : parts_) ++part_begins_[part.cell];
+    part_begins_.assign(end_ - begin_ + 1, 0);
+    for (const Part& part : parts_) ++part_begins_[part.cell - begin_];
     std::uint32_t total = 0;
     for (std::uint32_t& begin : part_begins_) {
         total += begin;
@@ -196,7 +225,7 @@ void TileAverager::sort_parts() {
     }
     part_order_.resize(parts_.size());
     for (std::size_t i = parts_.size(); i-- > 0;)
-        part_order_[--part_begins_[parts_[i].cell]] = static_cast<std::uint32_t>(i);
+        part_order_[--part_begins_[parts_[i].cell - begin_]] = static_cast<std::uint32_t>(i);
 }
 
 /// Cells that triangles only touch get one part from the nearest.
@@ -204,58 +233,66 @@ void TileAverager::touch_bare_cells() {
     struct Bare {
         std::uint32_t cell;
         double distance = std::numeric_limits<double>::infinity();
-        std::uint32_t facet = kNoNumber;
+        std::size_t in_scene = 0;
+        Corners corners{};
         dvec3 point{0.0};
+
+        [[nodiscard]] bool found() const {
+            return distance < std::numeric_limits<double>::infinity();
+        }
     };
     std::vector<Bare> bare;
-    for (std::uint32_t cell = 0; cell < codes_.size(); ++cell)
-        if (part_begins_[cell] == part_begins_[cell + 1]) bare.push_back({.cell = cell});
+    for (std::uint32_t cell = begin_; cell < end_; ++cell)
+        if (parts_of(cell).empty()) bare.push_back({.cell = cell});
     if (bare.empty()) return;
 
-    const auto offer = [&](Bare& b, std::uint32_t number) {
-        const Facet& facet = facets_[number];
-        const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
-        const dvec3 point = nearest_point(facet.corners, centre);
+    const auto centre_of = [&](const Bare& b) {
+        return dvec3(morton_decode(codes_[b.cell])) + 0.5;
+    };
+    const auto offer = [&](Bare& b, const Corners& corners, std::size_t in_scene) {
+        const dvec3 centre = centre_of(b);
+        const dvec3 point = nearest_point(corners, centre);
         const double distance = glm::dot(point - centre, point - centre);
         // Of equally near ones the one that has the lesser corners, whatever their order.
-        const auto before = [&](const Facet& other) {
+        const auto before = [&](const Corners& other) {
             for (unsigned i = 0; i < 3; ++i)
                 for (int axis = 0; axis < 3; ++axis)
-                    if (facet.corners[i][axis] != other.corners[i][axis])
-                        return facet.corners[i][axis] < other.corners[i][axis];
+                    if (corners[i][axis] != other[i][axis])
+                        return corners[i][axis] < other[i][axis];
             return false;
         };
-        if (distance < b.distance ||
-            (distance == b.distance && b.facet != kNoNumber && before(facets_[b.facet])))
-            b = {b.cell, distance, number, point};
+        if (distance < b.distance || (distance == b.distance && b.found() && before(b.corners)))
+            b = {b.cell, distance, in_scene, corners, point};
     };
     constexpr double kReach =
         1.01;  // a triangle that touches the cell is no further from its middle
-    for (std::uint32_t number = 0; number < facets_.size(); ++number) {
-        const auto& c = facets_[number].corners;
+    for_each_triangle([&](const Corners& c, std::size_t in_scene) {
         const dvec3 low = glm::min(c[0], glm::min(c[1], c[2])) - kReach;
         const dvec3 high = glm::max(c[0], glm::max(c[1], c[2])) + kReach;
         for (Bare& b : bare) {
-            const dvec3 centre = dvec3(morton_decode(codes_[b.cell])) + 0.5;
+            const dvec3 centre = centre_of(b);
             if (glm::all(glm::greaterThanEqual(centre, low)) &&
                 glm::all(glm::lessThanEqual(centre, high)))
-                offer(b, number);
+                offer(b, c, in_scene);
         }
-    }
+    });
     // Rounding may have moved the triangle that a voxel was set by: then whatever is nearest.
-    for (Bare& b : bare)
-        if (b.facet == kNoNumber)
-            for (std::uint32_t number = 0; number < facets_.size(); ++number) offer(b, number);
+    std::vector<std::size_t> missing;
+    for (std::size_t i = 0; i < bare.size(); ++i)
+        if (!bare[i].found()) missing.push_back(i);
+    if (!missing.empty())
+        for_each_triangle([&](const Corners& c, std::size_t in_scene) {
+            for (const std::size_t i : missing) offer(bare[i], c, in_scene);
+        });
 
     for (const Bare& b : bare) {
-        Part part{b.cell, b.facet, 1 << 16, {}};
+        Part part{b.cell, static_cast<std::uint32_t>(facets_.size()), 1 << 16, {}};
         part.sample.color = {65535, 65535, 65535};
-        if (b.facet != kNoNumber) {
-            const Facet& facet = facets_[b.facet];
-            part.sample = surfaces_.prepare(facet.in_scene, facet.corners, 1.0).at(b.point);
+        if (b.found()) {
+            facets_.push_back(facet_of(TrianglePieces(b.corners)));
+            part.sample = surfaces_.prepare(b.in_scene, b.corners, 1.0).at(b.point);
             part.sample.opacity = 65535;
         } else {
-            part.facet = static_cast<std::uint32_t>(facets_.size());
             facets_.push_back({});
         }
         parts_.push_back(part);

@@ -10,6 +10,7 @@
 #include "octavo/attributes/build_attributes.h"
 #include "octavo/attributes/surface_sampler.h"
 #include "octavo/attributes/surface_tiles.h"
+#include "octavo/attributes/triangle_pieces.h"
 
 namespace octavo {
 
@@ -18,7 +19,8 @@ namespace octavo {
 using TileValues = std::array<std::vector<std::uint32_t>, Attributes::kChannels>;
 
 /// Averages triangles over the cells of one tile at a time. Scratch memory is kept from tile to
-/// tile.
+/// tile; where it is bounded, as under a memory cap, a tile of many triangles is gone over more
+/// than once, each time for some of its cells, which gives the same bits.
 class TileAverager {
 public:
     /// All outlive this.
@@ -30,11 +32,10 @@ public:
     void average(const uvec3& tile, const CellRange& range, TileValues& out);
 
 private:
-    struct Facet {  // a triangle as it is in this tile
-        std::array<dvec3, 3> corners;
-        std::array<std::int64_t, 3> normal;  // unit length is 2^14
-        std::size_t in_scene;
-        int facing;  // 2 * axis, + 1 where that component is positive
+    using Corners = std::array<dvec3, 3>;    // in cells of the tile
+    struct Facet {                           // a triangle as it is in this tile
+        std::array<std::int16_t, 3> normal;  // unit length is 2^14
+        std::int16_t facing;                 // 2 * axis, + 1 where that component is positive
     };
     struct Part {            // of a facet, in a cell
         std::uint32_t cell;  // in the tile's order
@@ -46,8 +47,14 @@ private:
 
     void find_cells(const CellRange& range);
     [[nodiscard]] std::uint32_t number_of(const ivec3& cell) const;
-    void cut(const std::array<FixedPoint, 3>& corners, std::size_t in_scene);
+    /// Calls visit(corners, scene_triangle) for the triangles that meet the tile.
+    template <class Visit>
+    void for_each_triangle(const Visit& visit) const;
+    [[nodiscard]] static Facet facet_of(const TrianglePieces& pieces);
+    void cut(const Corners& corners, std::size_t in_scene);
+    void take_fewer_cells();
     void sort_parts();
+    [[nodiscard]] std::span<const std::uint32_t> parts_of(std::uint32_t cell) const;
     void touch_bare_cells();
     void write(std::uint32_t cell, std::span<const std::uint32_t> parts, TileValues& out) const;
 
@@ -56,9 +63,13 @@ private:
     const SurfaceSampler& surfaces_;
     const AttributeOptions& wanted_;
     int tile_depth_;
+    uvec3 tile_{0};
     dvec3 to_tile_{0.0};  // from units of the mesh, after scaling by unit_, to cells of the tile
     double unit_;
     std::array<bool, Attributes::kChannels> kept_;
+    std::size_t most_parts_;  // at a time
+
+    std::uint32_t begin_ = 0, end_ = 0;  // the cells that parts are kept of
 
     std::vector<std::uint64_t> masks_;   // of each block of 4x4x4 cells
     std::vector<std::uint32_t> firsts_;  // number in the tile of each block's first cell
@@ -67,7 +78,7 @@ private:
     std::vector<Facet> facets_;
     std::vector<Part> parts_;
     std::vector<std::uint32_t> part_order_;
-    std::vector<std::uint32_t> part_begins_;
+    std::vector<std::uint32_t> part_begins_;  // of each cell from begin_ on
 };
 
 }  // namespace octavo

@@ -6,8 +6,18 @@
 
 namespace octavo {
 
+const Material& plain_material(bool corners_have_colors) {
+    static const Material white;
+    static const Material clay = [] {
+        Material material;
+        material.base_color = {0.78f, 0.76f, 0.72f, 1.0f};  // as light/shade.h has it
+        return material;
+    }();
+    return corners_have_colors ? white : clay;
+}
+
 const Material& material_of(const Scene& scene, std::size_t triangle) {
-    static const Material plain;
+    const Material& plain = plain_material(!scene.colors.empty());
     if (scene.triangle_materials.empty()) return plain;
     const std::uint32_t index = scene.triangle_materials[triangle];
     return index < scene.materials.size() ? scene.materials[index] : plain;

@@ -8,7 +8,12 @@
 
 namespace octavo {
 
-/// The material of a triangle, or a plain white one.
+/// What a triangle without a material looks like, in files that say nothing of colours: clay, which
+/// render takes where a scene has no attributes. White where corners have colours, as these
+/// multiply it. A material of a file that names no colour is white, as glTF has it.
+[[nodiscard]] const Material& plain_material(bool corners_have_colors);
+
+/// The material of a triangle, or plain_material().
 [[nodiscard]] const Material& material_of(const Scene& scene, std::size_t triangle);
 
 /// The decoded texture with this index, or nothing.

@@ -33,3 +33,9 @@ export function voxelFacts(found: FoundCell, grid: Grid, eye: Vec3): [string, st
     if (found.emission) facts.push(['Emission', found.emission.map((value) => rounded(value)).join(', ')]);
     return facts;
 }
+
+/** What fits in a line. */
+export function shortFacts(facts: [string, string][]): string {
+    const kept = facts.filter(([term]) => ['Path', 'Level', 'Colour'].includes(term));
+    return kept.map(([term, value]) => `${term} ${value}`).join(' · ');
+}

@@ -43,6 +43,7 @@ export class Controls {
         element.addEventListener('contextmenu', (event) => event.preventDefault());
         element.addEventListener('dblclick', (event) => host.doubleClick(event.offsetX, event.offsetY));
         element.addEventListener('keydown', this.onArrows);
+        element.addEventListener('blur', () => element.classList.remove('pointed'));
         window.addEventListener('keydown', this.onKeyDown);
         window.addEventListener('keyup', this.onKeyUp);
         window.addEventListener('blur', () => this.held.clear());
@@ -50,6 +51,7 @@ export class Controls {
 
     private readonly onPointerDown = (event: PointerEvent): void => {
         this.element.setPointerCapture(event.pointerId);
+        this.element.classList.add('pointed'); // the keys go there, and no frame need say so
         this.element.focus({ preventScroll: true });
         this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
         if (this.pointers.size === 1) {

@@ -206,6 +206,11 @@ describe('controls', () => {
         const facts = await text(page, '#voxel-facts');
         expect(facts).toMatch(/Path\s*\d+, \d+, \d+/);
         expect(facts).toMatch(/Position/);
+        const [panel, voxel] = [(await page.locator('#panel').boundingBox())!, (await page.locator('#voxel').boundingBox())!];
+        expect(voxel.y, 'what was found is in sight').toBeLessThan(panel.y + panel.height - 40);
+        await page.locator('#toggle-panel').click();
+        await page.mouse.click(250, 260);
+        await page.waitForFunction(() => /Path \d+/.test(document.querySelector('#toast.shown')?.textContent ?? ''));
     });
 
     it('show the colours and the light of a file, and read them', async () => {
@@ -342,7 +347,14 @@ describe('the machine', () => {
     it('may lack WebGL 2, which is said', async () => {
         const none = 'const get = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind === "webgl2" ? null : get.call(this, kind, ...more); };';
         const { page, faults } = await open(await view(courtyard()), 800, 240, none);
-        expect(await text(page, '#notice-title')).toMatch(/no WebGL 2/);
+        const said = async (): Promise<void> => {
+            expect(await page.locator('#notice').isVisible()).toBe(true);
+            expect(await text(page, '#notice-title')).toMatch(/no WebGL 2/);
+        };
+        await said();
+        await page.locator('#notice-close').click();
+        await page.locator('#file').setInputFiles(courtyard());
+        await said();
         expect(faults).toEqual([]);
     });
 });
