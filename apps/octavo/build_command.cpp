@@ -180,7 +180,14 @@ std::string estimate_json(const Estimate& estimate) {
 void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
     const BuildOptions& options = arguments.options;
-    if (options.max_memory_bytes == 0 && options.depth < kLongDepth) return;
+    const std::uint64_t cap = options.max_memory_bytes;
+    if (cap == 0 && options.depth < kLongDepth) return;
+    // A long forecast is not needed where the cap has been passed already.
+    const std::uint64_t taken = peak_resident_bytes();
+    if (cap != 0 && taken > cap && options.depth >= kLongDepth)
+        throw Error(Errc::limit, fmt::format("reading the scene has taken {} MiB of memory, and {} "
+                                             "are allowed: a larger --max-memory is needed",
+                                             taken >> 20, cap >> 20));
     meter.begin_phase("estimate");
     const bool with_attributes = !arguments.attribute_names.empty();
     const Estimate estimate =
@@ -188,9 +195,8 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     meter.finish();
     if (!arguments.quiet)
         fmt::print(stderr, "{}\n",
-                   arguments.json ? estimate_json(estimate)
-                                  : estimate_text(estimate, options.max_memory_bytes));
-    require_memory(estimate, options.max_memory_bytes);
+                   arguments.json ? estimate_json(estimate) : estimate_text(estimate, cap));
+    require_memory(estimate, cap);
 }
 
 std::filesystem::path scratch_of(const BuildArguments& arguments) {
