@@ -44,28 +44,17 @@ void run_scene(Bytes bytes) {
     const fs::path file = put("scene.json", bytes);
     cli::SceneFile scene;
     try {
-        scene = cli::read_scene_file(file);
+        scene = cli::read_scene_file(file, dvec3(0.0, 1.0, 0.0));
     } catch (const Error& error) {
+        require(error.code() != Errc::bad_argument, "a bad scene file is bad input");
         require_one_line(error);
         return;
     }
     require(!scene.scene.objects.empty() && scene.scene.objects.size() == scene.models.size(),
             "every object has a model");
     if (scene.scene.objects.size() > 50) return;  // drawn in proportion
-    std::optional<Camera> camera;
-    try {
-        std::vector<cli::LightArgument> lights;
-        for (const std::string& text : scene.lights)
-            lights.push_back(cli::parse_light(text, dvec3(0.0, 1.0, 0.0)));
-        scene.scene.lights = cli::chosen_lights(lights, scene.models[0].metadata.lights,
-                                                scene.models[0].grid().bounds());
-        if (scene.camera)
-            camera = look_at(scene.camera->eye, scene.camera->at, dvec3(0.0, 1.0, 0.0),
-                             scene.camera->fov_degrees.value_or(45.0) * 0.0174532925);
-    } catch (const Error& error) {
-        require(error.code() == Errc::bad_argument, "a bad light is a bad argument");
-    }
-    draw(scene.scene, camera);
+    if (scene.lights) scene.scene.lights = *scene.lights;
+    draw(scene.scene, scene.camera);
 }
 
 void run_path(Bytes bytes) {

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -10,6 +11,8 @@
 
 namespace octavo::cli {
 namespace {
+
+constexpr double kMaxFloat = std::numeric_limits<float>::max();
 
 [[noreturn]] void refuse(std::string_view text, const std::string& expected) {
     throw Error(Errc::bad_argument, "'" + std::string(text) + "' is not " + expected);
@@ -81,6 +84,14 @@ dvec3 parse_vec3(const std::string& text) {
     return {n[0], n[1], n[2]};
 }
 
+vec3 parse_color(const std::string& text) {
+    const dvec3 color = parse_vec3(text);
+    for (int i = 0; i < 3; ++i)
+        if (color[i] < 0.0 || color[i] > kMaxFloat)
+            refuse(text, "a color: three numbers of 0 or more");
+    return vec3(color);
+}
+
 RayArgument parse_ray(const std::string& text) {
     const auto n = parse_numbers<6>(text, "six numbers: origin and direction");
     const RayArgument ray{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
@@ -96,7 +107,7 @@ std::array<double, 2> parse_angles(const std::string& text) {
 
 double parse_positive(const std::string& text) {
     const double number = parse_numbers<1>(text, "a number of 0 or more")[0];
-    if (number < 0.0) refuse(text, "a number of 0 or more");
+    if (number < 0.0 || number > kMaxFloat) refuse(text, "a number of 0 or more");
     return number;
 }
 
@@ -108,7 +119,7 @@ std::array<double, 2> parse_sides(const std::string& text) {
     rest.remove_prefix(1);
     if (!take_number(rest, sides[1]) || !rest.empty()) refuse(text, expected);
     for (const double side : sides)
-        if (!(side > 0.0) || !std::isfinite(side)) refuse(text, expected);
+        if (!(side > 0.0) || side > kMaxFloat) refuse(text, expected);
     return sides;
 }
 
@@ -122,6 +133,21 @@ uvec2 parse_size(const std::string& text) {
     if (!take_number(rest, size.y) || !rest.empty()) refuse(text, expected);
     if (size.x < 1 || size.y < 1 || size.x > kMax || size.y > kMax) refuse(text, expected);
     return size;
+}
+
+std::string decimal(double number) {
+    char text[400];  // the largest has 309 digits
+    const auto end = std::to_chars(text, text + sizeof text, number, std::chars_format::fixed).ptr;
+    return {text, end};
+}
+
+CLI::Validator above_zero() {
+    return numbers_that<double>([](double n) { return n > 0.0 && std::isfinite(n); }, "above 0");
+}
+
+CLI::Validator zero_or_more() {
+    return numbers_that<double>([](double n) { return n >= 0.0 && std::isfinite(n); },
+                                "of 0 or more");
 }
 
 }  // namespace octavo::cli

@@ -26,6 +26,9 @@ namespace octavo::cli {
 /// "1,-2,3.5"
 [[nodiscard]] dvec3 parse_vec3(const std::string& text);
 
+/// "1,0.5,0": of any brightness, as floats hold it
+[[nodiscard]] vec3 parse_color(const std::string& text);
+
 struct RayArgument {
     dvec3 origin;
     dvec3 direction;  // not zero
@@ -36,7 +39,7 @@ struct RayArgument {
 /// "azimuth,elevation" in degrees. @return radians
 [[nodiscard]] std::array<double, 2> parse_angles(const std::string& text);
 
-/// A number of 0 or more: "0.5"
+/// A number of 0 or more, as floats hold it: "0.5"
 [[nodiscard]] double parse_positive(const std::string& text);
 
 /// "2x0.5": width and height, each above 0
@@ -45,14 +48,35 @@ struct RayArgument {
 /// "1280x720", each 1 to 65536
 [[nodiscard]] uvec2 parse_size(const std::string& text);
 
+/// A number without an exponent: "0.01", "1000000".
+[[nodiscard]] std::string decimal(double number);
+
 inline constexpr const char* kTrustedHelp =
     "Map the file and check nothing: only for files that you wrote";
 
-/// A validator for numbers in a range, which does not show in the help.
+/// A validator for numbers that `is_good` takes, which does not show in the help. What is not a
+/// number at all, "nan" among it, is never good.
+/// @param expected  "above 0": what to write instead
+template <typename Number, typename IsGood>
+[[nodiscard]] CLI::Validator numbers_that(IsGood is_good, const std::string& expected) {
+    const auto check = [is_good, expected](const std::string& text) {
+        Number number{};
+        const bool good = CLI::detail::lexical_cast(text, number) && is_good(number);
+        return good ? std::string() : "'" + text + "' is not a number " + expected;
+    };
+    return CLI::Validator(check, "");
+}
+
 template <typename Number>
 [[nodiscard]] CLI::Validator within(Number low, Number high) {
-    return CLI::Range(low, high).description("");
+    // Not !(number < low || number > high): NaN is neither.
+    return numbers_that<Number>([=](Number n) { return n >= low && n <= high; },
+                                "from " + decimal(low) + " to " + decimal(high));
 }
+
+/// Finite ones.
+[[nodiscard]] CLI::Validator above_zero();
+[[nodiscard]] CLI::Validator zero_or_more();
 
 /// Adds an option whose text goes through `parse`; errors then name the option.
 template <typename Value, typename Parse>

@@ -180,7 +180,14 @@ std::string estimate_json(const Estimate& estimate) {
 void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
     const BuildOptions& options = arguments.options;
-    if (options.max_memory_bytes == 0 && options.depth < kLongDepth) return;
+    const std::uint64_t cap = options.max_memory_bytes;
+    if (cap == 0 && options.depth < kLongDepth) return;
+    // A long forecast is not needed where the cap has been passed already.
+    const std::uint64_t taken = peak_resident_bytes();
+    if (cap != 0 && taken > cap && options.depth >= kLongDepth)
+        throw Error(Errc::limit, fmt::format("reading the scene has taken {} MiB of memory, and {} "
+                                             "are allowed: a larger --max-memory is needed",
+                                             taken >> 20, cap >> 20));
     meter.begin_phase("estimate");
     const bool with_attributes = !arguments.attribute_names.empty();
     const Estimate estimate =
@@ -188,9 +195,8 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
     meter.finish();
     if (!arguments.quiet)
         fmt::print(stderr, "{}\n",
-                   arguments.json ? estimate_json(estimate)
-                                  : estimate_text(estimate, options.max_memory_bytes));
-    require_memory(estimate, options.max_memory_bytes);
+                   arguments.json ? estimate_json(estimate) : estimate_text(estimate, cap));
+    require_memory(estimate, cap);
 }
 
 std::filesystem::path scratch_of(const BuildArguments& arguments) {
@@ -203,16 +209,18 @@ std::filesystem::path scratch_of(const BuildArguments& arguments) {
 
 void build_file(BuildArguments& arguments, Machines& machines) {
     if (machines.is_first()) {
-        check_output(arguments.output, arguments.force);
+        check_output(arguments.output, arguments.force, {arguments.input});
     } else {
         arguments.quiet = true;
     }
     BuildOptions& options = arguments.options;
     return_freed_memory();
-    if (arguments.origin)
+    if (arguments.origin) {
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,
                             .depth = options.depth};
+        check_grid(*options.grid);
+    }
     options.scratch = scratch_of(arguments);
     options.keep_scratch = true;  // until the file is written
     options.journal_interval =
@@ -254,6 +262,11 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     if (!machines.is_first()) return;
     Model model = make_model(source_name(arguments.input), scene, options.rule, std::move(built));
     times.construct_seconds = watch.lap();
+    const Metadata& of = model.metadata;
+    if (of.degenerate_triangles + of.non_finite_triangles == of.triangles)
+        print_warnings({"no triangle has an area at this resolution: does a stray vertex make the "
+                        "scene's box too large?"},
+                       arguments);
     if (with_attributes) {
         if (!surfaces) read_surfaces();
         model.attributes = surfaces->average(model.dag);
@@ -301,7 +314,7 @@ void add_build_command(CLI::App& program) {
     CLI::Option* voxel_size =
         command.add_option("--voxel-size", arguments->voxel_size, "Side of a voxel in world units")
             ->type_name("S")
-            ->check(CLI::Validator(CLI::PositiveNumber).description(""));
+            ->check(above_zero());
     origin->needs(voxel_size);
     voxel_size->needs(origin);
     command
@@ -326,7 +339,8 @@ void add_build_command(CLI::App& program) {
     command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
         ->type_name("N");
     add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
-               "Memory that the program may take, like 8G; what has no room spills to disk",
+               "Memory that the program may take, like 8G; what has no room spills to disk; 0: no "
+               "limit",
                "SIZE");
     command
         .add_option("--scratch", arguments->scratch,

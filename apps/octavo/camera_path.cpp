@@ -3,30 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <cstdint>
 #include <numbers>
 
-#include "octavo/core/error.h"
+#include "octavo/core/file_bytes.h"
+#include "octavo/io/json_field.h"
 #include "octavo/render/render.h"
 
 namespace octavo::cli {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kDefaultFov = 45.0;
-constexpr int kMostFrames = 100000;
+constexpr std::uint64_t kMostFrames = 100000;
+constexpr std::uint64_t kMostBytes = 16u << 20;
 
 template <typename Value>
 Value catmull_rom(const Value& a, const Value& b, const Value& c, const Value& d, double t) {
     return b +
            0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
-}
-
-dvec3 vector_of(const Json& json) {
-    const auto numbers = json.get<std::array<double, 3>>();
-    return {numbers[0], numbers[1], numbers[2]};
 }
 
 }  // namespace
@@ -48,23 +42,22 @@ Camera CameraPath::camera(int frame, int count) const {
 }
 
 CameraPath read_camera_path(const std::filesystem::path& file) {
-    std::ifstream stream(file);
-    if (!stream) throw io_error(file, "open");
+    const FileBytes bytes = read_file(file, kMostBytes);
     CameraPath path;
     try {
-        const Json json = Json::parse(stream);
-        path.frames = json.value("frames", path.frames);
-        path.closed = json.value("closed", false);
-        if (json.contains("up")) path.up = vector_of(json.at("up"));
-        for (const Json& camera : json.at("cameras"))
-            path.keys.push_back({vector_of(camera.at("eye")), vector_of(camera.at("at")),
-                                 camera.value("fov", kDefaultFov) * std::numbers::pi / 180.0});
-        if (path.keys.empty()) throw Error(Errc::bad_input, "there is no camera");
-        if (path.frames < 1 || path.frames > kMostFrames)
-            throw Error(Errc::bad_input, "frames are 1 to 100000");
+        const JsonValue json = parse_json(bytes.view());
+        const JsonField root(json, "");
+        if (root.has("frames")) path.frames = static_cast<int>(root["frames"].count(kMostFrames));
+        if (path.frames == 0) root["frames"].refuse("is 0");
+        if (root.has("closed")) path.closed = root["closed"].truth();
+        if (root.has("up")) path.up = root["up"].vector<dvec3>();
+        for (const JsonField& camera : root["cameras"].items()) {
+            const double degrees = camera.has("fov") ? camera["fov"].number() : kDefaultFov;
+            path.keys.push_back({camera["eye"].vector<dvec3>(), camera["at"].vector<dvec3>(),
+                                 degrees * std::numbers::pi / 180.0});
+        }
+        if (path.keys.empty()) root["cameras"].refuse("is empty");
         for (int frame = 0; frame < path.frames; ++frame) (void)path.camera(frame, path.frames);
-    } catch (const Json::exception& error) {
-        throw Error(Errc::bad_input, file, std::string("not a camera path: ") + error.what());
     } catch (const Error& error) {
         throw Error(Errc::bad_input, file, std::string("not a camera path: ") + error.what());
     }

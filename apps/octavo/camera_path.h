@@ -24,7 +24,7 @@ struct CameraPath {
     [[nodiscard]] Camera camera(int frame, int count) const;
 };
 
-/// @throws Error  io; bad_input, naming what is wrong
+/// @throws Error  io; limit; bad_input, naming what is wrong
 [[nodiscard]] CameraPath read_camera_path(const std::filesystem::path& file);
 
 }  // namespace octavo::cli

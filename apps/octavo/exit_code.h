@@ -24,8 +24,9 @@ inline constexpr int kLimit = 4;
         case Errc::bad_argument:
             return kUsage;
         case Errc::bad_input:
-        case Errc::unsupported:
             return kBadInput;
+        case Errc::unsupported:  // of a file; else an option that this build or machine has not
+            return error->file().empty() ? kUsage : kBadInput;
         case Errc::limit:
             return kLimit;
         case Errc::cancelled:

@@ -59,7 +59,7 @@ void export_single(const ExportArguments& arguments, std::span<const std::byte> 
     if (bytes.size() > kMaxInlineBytes)
         throw Error(Errc::limit, arguments.file,
                     "too large for a page of one file (256 MiB); export a folder");
-    check_output(arguments.html, arguments.force);
+    check_output(arguments.html, arguments.force, {arguments.file});
     Appender out(arguments.html);
     write_single_page(arguments.file.filename().string(), bytes,
                       [&out](std::string_view text) { out(text); });
@@ -68,10 +68,11 @@ void export_single(const ExportArguments& arguments, std::span<const std::byte> 
 
 void export_folder(const ExportArguments& arguments, std::span<const std::byte> bytes) {
     const std::filesystem::path folder = arguments.html;
+    if (folder.empty()) throw Error(Errc::bad_argument, "the name of a folder to write is empty");
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw Error(Errc::io, folder, "cannot make the folder: " + failed.message());
-    check_output(folder / "index.html", arguments.force);
+    check_output(folder / "index.html", arguments.force, {arguments.file});
     check_output(folder / "scene.octv", arguments.force);
     write_file(folder / "scene.octv", bytes);
     const std::string page =

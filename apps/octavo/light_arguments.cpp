@@ -146,9 +146,8 @@ LightArgument parse_light(const std::string& text, const dvec3& up) {
     parts.check_all_taken("a " + kind);
     argument.light.name = kind;
     if (color) {
-        const vec3 rgb(parse_vec3(*color));
-        if (!(brightest(rgb) > 0.0f) || std::min({rgb.r, rgb.g, rgb.b}) < 0.0f)
-            refuse("'" + *color + "' is not a color: three numbers of 0 or more");
+        const vec3 rgb = parse_color(*color);
+        if (!(brightest(rgb) > 0.0f)) refuse("'" + *color + "' is black");
         argument.light.intensity = rgb / brightest(rgb);
     }
     if (power) argument.power = parse_positive(*power);

@@ -41,7 +41,8 @@ struct LightArguments {
 
 void run_light(LightArguments& arguments) {
     const bool in_place = arguments.output.empty();
-    if (!in_place) check_output(arguments.output, arguments.force);
+    const std::filesystem::path& output = in_place ? arguments.file : arguments.output;
+    check_output(output, in_place || arguments.force);
     Model model = read_octv(arguments.file);
     if (model.attributes.empty())
         throw Error(Errc::bad_argument, arguments.file,
@@ -67,9 +68,9 @@ void run_light(LightArguments& arguments) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     model.light = scene.objects[0].light;
-    model.metadata.light = LightSummary{arguments.options.bounces, scene.lights, arguments.sky};
-    write_octv(in_place ? arguments.file : arguments.output, model,
-               {.compress = arguments.compress, .progress = meter.function()});
+    model.metadata.light =
+        LightSummary{arguments.options.bounces, scene.lights, stored_sky(arguments.sky, output)};
+    write_octv(output, model, {.compress = arguments.compress, .progress = meter.function()});
     meter.finish();
 
     const auto bytes = model.light.words().size_bytes();

@@ -3,104 +3,113 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "arguments.h"
 #include "key_values.h"
 #include "light_arguments.h"
+#include "octavo/core/file_bytes.h"
+#include "octavo/io/json_field.h"
 #include "octavo/io/octv.h"
+#include "octavo/mesh/confined_path.h"
 #include "octavo/render/render.h"
+#include "octavo/trace/instances.h"
 
 namespace octavo::cli {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr std::size_t kMostSceneBytes = 16u << 20;
-
-using Json = nlohmann::json;
+constexpr double kDefaultFovDegrees = 45.0;
+constexpr std::uint64_t kMostSceneBytes = 16u << 20;
+constexpr std::size_t kMostObjects = 10'000;
 
 [[noreturn]] void refuse(const std::string& reason) {
     throw Error(Errc::bad_argument, reason);
-}
-
-vec3 light_color(const std::string& text) {
-    const dvec3 color = parse_vec3(text);
-    if (color.x < 0.0 || color.y < 0.0 || color.z < 0.0) refuse("a sky's light is not below 0");
-    return vec3(color);
 }
 
 double number(const std::string& text) {
     return parse_vec3(text + ",0,0").x;
 }
 
-Sky named_sky(const std::string& kind, std::string first, KeyValues& parts, const dvec3& up) {
+bool names_picture(const std::string& kind) {
+    return kind.ends_with(".exr") || kind.ends_with(".hdr");
+}
+
+/// A sky's text in front of the first colon, and the rest.
+std::pair<std::string, std::string> split(const std::string& text) {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    return {text.substr(0, colon), text.substr(colon)};
+}
+
+/// How a picture of a sky is opened by its name.
+using LoadPicture = std::function<SkyImage(const std::string& name)>;
+
+/// For names that come from a file in this folder.
+LoadPicture confined_to(const std::filesystem::path& folder) {
+    return [folder](const std::string& name) {
+        const auto inside = confined_path(folder, name);
+        if (!inside)
+            refuse("the picture of its sky, '" + name +
+                   "', is outside its folder: name it with "
+                   "--sky");
+        return load_sky_image(*inside);
+    };
+}
+
+Sky named_sky(const std::string& kind, const std::string& first, KeyValues& parts, const dvec3& up,
+              const LoadPicture& load_picture) {
     if (kind == "none") return {};
     if (kind == "clear") return Sky::clear(up);
-    if (kind == "color") return Sky::constant(light_color(first));
+    if (kind == "color") return Sky::constant(parse_color(first));
     if (kind == "gradient") {
         const auto color = [&](const char* key) {
             const auto text = parts.take(key);
             if (!text) refuse(std::string("a gradient needs ") + key + "=R,G,B");
-            return light_color(*text);
+            return parse_color(*text);
         };
         const vec3 zenith = color("zenith"), horizon = color("horizon"), ground = color("ground");
         return Sky::gradient(zenith, horizon, ground, up);
     }
-    if (!kind.ends_with(".exr") && !kind.ends_with(".hdr"))
+    if (!names_picture(kind))
         refuse("'" + kind + "' is not clear, none, color:, gradient: or a .exr or .hdr file");
     const auto turn = parts.take("turn");
-    return Sky::image(load_sky_image(kind), up, turn ? number(*turn) * kRadiansPerDegree : 0.0);
+    return Sky::image(load_picture(kind), up, turn ? number(*turn) * kRadiansPerDegree : 0.0);
 }
 
-dvec3 vector_of(const Json& json, const std::string& name) {
-    if (!json.is_array() || json.size() != 3 ||
-        !std::ranges::all_of(json, [](const Json& x) { return x.is_number(); }))
-        throw Error(Errc::bad_input, name + " is not [x, y, z]");
-    return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+Sky parse_sky(const std::string& text, const dvec3& up, const LoadPicture& load_picture) {
+    auto [kind, rest] = split(text);
+    if (!rest.empty()) rest.erase(0, 1);  // the colon
+    std::string first;
+    if (kind == "color") {
+        const std::size_t end = rest.find(':');
+        first = rest.substr(0, end);
+        rest = end == std::string::npos ? "" : rest.substr(end + 1);
+    }
+    KeyValues parts(rest);
+    const auto power = parts.take("power");
+    const Sky sky = named_sky(kind, first, parts, up, load_picture);
+    parts.check_all_taken("this sky");
+    return power ? sky.scaled(static_cast<float>(parse_positive(*power))) : sky;
 }
 
-double number_of(const Json& json, const std::string& name) {
-    if (!json.is_number()) throw Error(Errc::bad_input, name + " is not a number");
-    return json.get<double>();
-}
-
-const std::string& text_of(const Json& json, const std::string& name) {
-    if (!json.is_string()) throw Error(Errc::bad_input, name + " is not a text");
-    return json.get_ref<const std::string&>();
-}
-
-void check_keys(const Json& json, const std::string& name,
-                std::initializer_list<std::string_view> known) {
-    if (!json.is_object()) throw Error(Errc::bad_input, name + " is not an object");
-    for (const auto& item : json.items())
-        if (std::ranges::find(known, item.key()) == known.end())
-            throw Error(Errc::bad_input, name + "/" + item.key() + " is not a key that is known");
-}
-
-dmat4 placement_of(const Json& json, const std::string& name) {
+dmat4 placement_of(const JsonField& object) {
     dmat4 m(1.0);
-    if (json.contains("position"))
-        m = glm::translate(m, vector_of(json["position"], name + "/position"));
-    if (json.contains("rotation")) {
-        const Json& rotation = json["rotation"];
-        check_keys(rotation, name + "/rotation", {"axis", "degrees"});
-        const dvec3 axis = rotation.contains("axis")
-                               ? vector_of(rotation["axis"], name + "/rotation/axis")
-                               : dvec3(0, 1, 0);
-        if (!(glm::length(axis) > 0.0))
-            throw Error(Errc::bad_input, name + "/rotation/axis has no length");
-        const double degrees = rotation.contains("degrees")
-                                   ? number_of(rotation["degrees"], name + "/rotation/degrees")
-                                   : 0.0;
+    if (object.has("position")) m = glm::translate(m, object["position"].vector<dvec3>());
+    if (object.has("rotation")) {
+        const JsonField rotation = object["rotation"];
+        rotation.check_keys({"axis", "degrees"});
+        const dvec3 axis = rotation.has("axis") ? rotation["axis"].vector<dvec3>() : dvec3(0, 1, 0);
+        if (!(glm::length(axis) > 0.0)) rotation["axis"].refuse("has no length");
+        const double degrees = rotation.has("degrees") ? rotation["degrees"].number() : 0.0;
         m = glm::rotate(m, degrees * kRadiansPerDegree, glm::normalize(axis));
     }
-    if (json.contains("scale")) {
-        const double scale = number_of(json["scale"], name + "/scale");
-        if (!(scale > 0.0)) throw Error(Errc::bad_input, name + "/scale is not above 0");
+    if (object.has("scale")) {
+        const double scale = object["scale"].number();
+        if (!(scale > 0.0)) object["scale"].refuse("is not above 0");
         m = glm::scale(m, dvec3(scale));
     }
     return m;
@@ -114,74 +123,101 @@ Box lit_box(const Model& model) {
 
 }  // namespace
 
-Sky parse_sky(const std::string& text, const dvec3& up) {
-    const std::size_t colon = text.find(':');
-    const std::string kind = text.substr(0, colon);
-    std::string rest = colon == std::string::npos ? "" : text.substr(colon + 1);
-    std::string first;
-    if (kind == "color") {
-        const std::size_t end = rest.find(':');
-        first = rest.substr(0, end);
-        rest = end == std::string::npos ? "" : rest.substr(end + 1);
-    }
-    KeyValues parts(rest);
-    const auto power = parts.take("power");
-    const Sky sky = named_sky(kind, first, parts, up);
-    parts.check_all_taken("this sky");
-    return power ? sky.scaled(static_cast<float>(parse_positive(*power))) : sky;
+std::filesystem::path sky_picture(const std::string& text) {
+    const std::string kind = split(text).first;
+    return names_picture(kind) ? kind : "";
 }
 
-SceneFile read_scene_file(const std::filesystem::path& path) {
+Sky parse_sky(const std::string& text, const dvec3& up) {
+    return parse_sky(text, up, [](const std::string& name) { return load_sky_image(name); });
+}
+
+std::string stored_sky(const std::string& text, const std::filesystem::path& file) {
+    const auto [name, rest] = split(text);
+    if (!names_picture(name)) return text;
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::weakly_canonical(folder_of(file));
+    return fs::weakly_canonical(name).lexically_proximate(folder).string() + rest;
+}
+
+bool is_stored_sky(const std::string& text, const std::string& stored,
+                   const std::filesystem::path& file) {
+    return text == stored || stored_sky(text, file) == stored;
+}
+
+Sky parse_stored_sky(const std::string& stored, const dvec3& up,
+                     const std::filesystem::path& file) {
+    try {
+        return parse_sky(stored, up, confined_to(folder_of(file)));
+    } catch (const Error& error) {
+        if (error.code() != Errc::bad_argument) throw;
+        throw Error(Errc::bad_input, file, error.what());
+    }
+}
+
+namespace {
+
+void read_objects(const JsonField& root, const std::filesystem::path& folder, SceneFile& file) {
+    const std::vector<JsonField> objects = root["objects"].items();
+    if (objects.empty()) root["objects"].refuse("is empty");
+    if (objects.size() > kMostObjects)
+        throw Error(Errc::limit, "/objects has more than " + std::to_string(kMostObjects));
+    std::map<std::filesystem::path, Model> models;
+    std::vector<Instance> instances;
+    for (const JsonField& object : objects) {
+        object.check_keys({"name", "file", "position", "rotation", "scale"});
+        const std::string& name = object["file"].text();
+        const auto inside = confined_path(folder, name);
+        if (!inside) object["file"].refuse("is outside the scene's folder");
+        const auto [known, is_new] = models.try_emplace(*inside);
+        if (is_new) known->second = read_octv(*inside);
+        const Model& model = known->second;
+        file.models.push_back(model);
+        file.scene.objects.push_back({.name = object.has("name") ? object["name"].text() : name,
+                                      .dag = model.dag,
+                                      .grid = model.grid(),
+                                      .attributes = model.attributes,
+                                      .placement = placement_of(object),
+                                      .light = {}});
+        instances.push_back({model.dag, model.grid(), file.scene.objects.back().placement});
+    }
+    (void)Instances(std::move(instances));  // what it refuses is refused here
+}
+
+Camera read_camera(const JsonField& camera, const dvec3& up) {
+    camera.check_keys({"eye", "at", "fov"});
+    const double degrees = camera.has("fov") ? camera["fov"].number() : kDefaultFovDegrees;
+    return look_at(camera["eye"].vector<dvec3>(), camera["at"].vector<dvec3>(), up,
+                   degrees * kRadiansPerDegree);
+}
+
+}  // namespace
+
+SceneFile read_scene_file(const std::filesystem::path& path, const dvec3& up) {
+    const FileBytes bytes = read_file(path, kMostSceneBytes);
+    const std::filesystem::path folder = folder_of(path);
     SceneFile file;
     try {
-        std::ifstream in(path, std::ios::binary | std::ios::ate);
-        if (!in) throw io_error(path, "open");
-        if (static_cast<std::uint64_t>(in.tellg()) > kMostSceneBytes)
-            throw Error(Errc::bad_input, "a scene file has at most 16 MiB");
-        in.seekg(0);
-        const Json json = Json::parse(in);
-        check_keys(json, "", {"objects", "lights", "sky", "camera"});
-        if (!json.contains("objects") || !json["objects"].is_array() || json["objects"].empty())
-            throw Error(Errc::bad_input, "/objects is not a list of objects");
-        std::map<std::string, Model> models;
-        std::size_t number = 0;
-        for (const Json& object : json["objects"]) {
-            const std::string name = "/objects/" + std::to_string(number++);
-            check_keys(object, name, {"name", "file", "position", "rotation", "scale"});
-            if (!object.contains("file")) throw Error(Errc::bad_input, name + " has no file");
-            const std::string& of = text_of(object["file"], name + "/file");
-            if (!models.contains(of)) models[of] = read_octv(path.parent_path() / of);
-            const Model& model = models[of];
-            file.models.push_back(model);
-            file.scene.objects.push_back(
-                {.name = object.contains("name") ? text_of(object["name"], name + "/name") : of,
-                 .dag = model.dag,
-                 .grid = model.grid(),
-                 .attributes = model.attributes,
-                 .placement = placement_of(object, name),
-                 .light = {}});
+        const JsonValue json = parse_json(bytes.view());
+        const JsonField root(json, "");
+        root.check_keys({"objects", "lights", "sky", "camera"});
+        read_objects(root, folder, file);
+        if (root.has("lights")) {
+            std::vector<LightArgument> lights;
+            for (const JsonField& light : root["lights"].items())
+                lights.push_back(parse_light(light.text(), up));
+            const Model& first = file.models.front();
+            if (!lights.empty())
+                file.lights = chosen_lights(lights, first.metadata.lights, lit_box(first));
         }
-        if (json.contains("lights")) {
-            if (!json["lights"].is_array()) throw Error(Errc::bad_input, "/lights is not a list");
-            for (const Json& light : json["lights"])
-                file.lights.push_back(text_of(light, "/lights"));
-        }
-        if (json.contains("sky")) file.sky = text_of(json["sky"], "/sky");
-        if (json.contains("camera")) {
-            const Json& camera = json["camera"];
-            check_keys(camera, "/camera", {"eye", "at", "fov"});
-            if (!camera.contains("eye") || !camera.contains("at"))
-                throw Error(Errc::bad_input, "/camera needs eye and at");
-            file.camera = {
-                vector_of(camera["eye"], "/camera/eye"), vector_of(camera["at"], "/camera/at"), {}};
-            if (camera.contains("fov"))
-                file.camera->fov_degrees = number_of(camera["fov"], "/camera/fov");
-        }
-    } catch (const Json::exception& error) {
-        throw Error(Errc::bad_input, path, std::string("not JSON: ") + error.what());
+        file.scene.sky =
+            parse_sky(root.has("sky") ? root["sky"].text() : "clear", up, confined_to(folder));
+        if (root.has("camera")) file.camera = read_camera(root["camera"], up);
     } catch (const Error& error) {
-        if (!error.file().empty() || error.code() == Errc::io) throw;
-        throw Error(error.code(), path, error.what());
+        if (!error.file().empty()) throw;
+        // What would be a mistake on the command line is one in the file.
+        const bool argument = error.code() == Errc::bad_argument;
+        throw Error(argument ? Errc::bad_input : error.code(), path, error.what());
     }
     return file;
 }

@@ -26,23 +26,32 @@ namespace octavo::cli {
 /// @throws Error  bad_argument, saying what was expected; as load_sky_image()
 [[nodiscard]] Sky parse_sky(const std::string& text, const dvec3& up);
 
-/// A camera that a scene file asks for.
-struct SceneCamera {
-    dvec3 eye{0.0}, at{0.0};
-    std::optional<double> fov_degrees;
-};
+/// The sky as a file has it that was lit by it: a picture is named as from the file's folder.
+[[nodiscard]] std::string stored_sky(const std::string& text, const std::filesystem::path& file);
+/// Is `text`, which names a picture as from here, the sky that the file was lit by?
+[[nodiscard]] bool is_stored_sky(const std::string& text, const std::string& stored,
+                                 const std::filesystem::path& file);
+/// The sky that a file was lit by. A stranger may have written the name: no picture outside the
+/// file's folder is opened.
+/// @throws Error  bad_input, naming the file; as load_sky_image()
+[[nodiscard]] Sky parse_stored_sky(const std::string& stored, const dvec3& up,
+                                   const std::filesystem::path& file);
+
+/// The picture that a sky's text names; empty where it names none.
+[[nodiscard]] std::filesystem::path sky_picture(const std::string& text);
 
 /// What a scene file says; docs/lighting.md has its keys.
 struct SceneFile {
-    LitScene scene;                   // objects, with the light that their files have
-    std::vector<Model> models;        // of the objects, in their order
-    std::vector<std::string> lights;  // as --light has them
-    std::optional<std::string> sky;   // as --sky has it
-    std::optional<SceneCamera> camera;
+    LitScene scene;             // objects and sky
+    std::vector<Model> models;  // of the objects, in their order
+    std::optional<std::vector<Light>> lights;
+    std::optional<Camera> camera;
 };
 
-/// @throws Error  io; bad_input naming the key; as read_octv()
-[[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
+/// Opens no file outside the folder of the scene file.
+/// @param up      which way is up, for its lights, sky and camera
+/// @throws Error  io; bad_input naming the key; limit; as read_octv()
+[[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path, const dvec3& up);
 
 /// The lights of the arguments; else those of the file; else none.
 /// @param sun     as --sun has it: azimuth and elevation

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "lit_render.h"
 
-#include <numbers>
-
 #include "arguments.h"
 #include "lit_arguments.h"
 #include "octavo/io/octv.h"
 
 namespace octavo::cli {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kDefaultFovDegrees = 45.0;
 
 Sky sky_of(const std::string& text, const dvec3& up) {
     try {
@@ -30,24 +25,16 @@ void check_colored(const Model& model, const std::filesystem::path& file, Lighti
 
 LitInput read_scene(const std::filesystem::path& path, const LitArguments& arguments,
                     const dvec3& up) {
-    SceneFile file = read_scene_file(path);
-    LitInput input{std::move(file.models), std::move(file.scene), {}};
+    SceneFile file = read_scene_file(path, up);
+    LitInput input{std::move(file.models), std::move(file.scene), file.camera};
     for (const Model& model : input.models) check_colored(model, path, arguments.lighting);
     const Model& first = input.models.front();
     const bool own = !arguments.sun && arguments.lights.empty();
     input.scene.lights = without_shining_cells(
-        described_lights(arguments.sun, own ? file.lights : arguments.lights, first, up),
+        own && file.lights ? *std::move(file.lights)
+                           : described_lights(arguments.sun, arguments.lights, first, up),
         first.attributes);
-    const std::string sky = arguments.sky.value_or(file.sky.value_or("clear"));
-    // A picture of the sky lies beside the scene, unless the command line names it.
-    const bool picture =
-        !arguments.sky && file.sky &&
-        (sky.find(".hdr") != std::string::npos || sky.find(".exr") != std::string::npos);
-    input.scene.sky = sky_of(picture ? (path.parent_path() / sky).string() : sky, up);
-    if (file.camera)
-        input.camera =
-            look_at(file.camera->eye, file.camera->at, up,
-                    file.camera->fov_degrees.value_or(kDefaultFovDegrees) * kRadiansPerDegree);
+    if (arguments.sky) input.scene.sky = sky_of(*arguments.sky, up);
     if (arguments.lighting != Lighting::reference) light_cells(input.scene, arguments.light);
     return input;
 }
@@ -64,10 +51,13 @@ LitInput read_lit_input(const std::filesystem::path& path, const LitArguments& a
     input.scene.objects.push_back(
         {.dag = model.dag, .grid = model.grid(), .attributes = model.attributes});
 
-    const bool own_light = !arguments.sun && arguments.lights.empty() && !arguments.sky;
-    if (own_light && model.metadata.light) {
+    const bool own_light =
+        model.metadata.light && !arguments.sun && arguments.lights.empty() &&
+        (!arguments.sky || is_stored_sky(*arguments.sky, model.metadata.light->sky, path));
+    if (own_light) {
         input.scene.lights = model.metadata.light->lights;
-        input.scene.sky = sky_of(model.metadata.light->sky, up);
+        input.scene.sky = arguments.sky ? sky_of(*arguments.sky, up)
+                                        : parse_stored_sky(model.metadata.light->sky, up, path);
         input.scene.objects[0].light = model.light;
         return input;
     }

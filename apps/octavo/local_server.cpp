@@ -5,7 +5,6 @@
 #include <poll.h>
 #include <sys/random.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr int kThreads = 128;
+constexpr std::size_t kThreads = 128;
 constexpr int kBacklog = 256;
 constexpr seconds kKeepAlive{5};
 /// For a request to come in whole.
@@ -147,13 +146,11 @@ bool same(std::string_view a, std::string_view b) {
 }  // namespace
 
 LocalServer::LocalServer(Content content, int port)
-    : content_(std::move(content)), token_(random_token()) {
-    descriptor_ = open(content_.file.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status {};
-    if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) throw io_error(content_.file, "read");
-    file_bytes_ = static_cast<std::uint64_t>(status.st_size);
-
-    new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    : content_(std::move(content)),
+      token_(random_token()),
+      file_(content_.file),
+      threads_(std::make_unique<ServerThreads>(kThreads)) {
+    new_task_queue = [this] { return threads_.release(); };
     set_payload_max_length(kMaxBody);
     set_socket_options([this](socket_t socket) {
         const int yes = 1;
@@ -200,7 +197,6 @@ LocalServer::~LocalServer() {
     while (!is_running()) std::this_thread::sleep_for(milliseconds(5));
     stop();
     thread_.join();
-    close(descriptor_);
 }
 
 std::string LocalServer::url() const {
@@ -210,12 +206,17 @@ std::string LocalServer::url() const {
 bool LocalServer::process_and_close_socket(socket_t socket) {
     PatientStream stream(socket, stopping_);
     bool good = true;
-    for (int i = 0; good && i < kMaxRequests && stream.await_request(); ++i) {
-        current = {};
-        bool closed = false;
-        good = process_request(stream, false, closed,
-                               [this](httplib::Request& request) { clip_ranges(request); });
-        good = good && !closed && !current.close;
+    try {
+        for (int i = 0; good && i < kMaxRequests && stream.await_request(); ++i) {
+            current = {};
+            bool closed = false;
+            good = process_request(stream, false, closed,
+                                   [this](httplib::Request& request) { clip_ranges(request); });
+            good = good && !closed && !current.close;
+        }
+    } catch (const std::exception&) {
+        // Whatever goes wrong, out of memory as a rule, ends this connection and no other.
+        good = false;
     }
     shutdown(socket, SHUT_RDWR);
     close(socket);
@@ -226,7 +227,7 @@ bool LocalServer::process_and_close_socket(socket_t socket) {
 void LocalServer::clip_ranges(httplib::Request& request) const {
     if (request.ranges.empty()) return;
     auto [first, last] = request.ranges.front();
-    const auto size = static_cast<ssize_t>(file_bytes_);
+    const auto size = static_cast<ssize_t>(file_.size());
     const bool one = request.ranges.size() == 1;
     request.ranges.clear();
     if (request.path != "/" + token_ + "/scene.octv") return;
@@ -271,7 +272,7 @@ LocalServer::HandlerResponse LocalServer::answer(const httplib::Request& request
         return refuse(response, 405);
     }
     if (current.range_fails) {
-        response.set_header("Content-Range", "bytes */" + std::to_string(file_bytes_));
+        response.set_header("Content-Range", "bytes */" + std::to_string(file_.size()));
         return refuse(response, 416);
     }
     if (path == "/")
@@ -283,13 +284,13 @@ LocalServer::HandlerResponse LocalServer::answer(const httplib::Request& request
 
 void LocalServer::serve_file(httplib::Response& response) const {
     response.set_header("Accept-Ranges", "bytes");
-    if (file_bytes_ == 0) return response.set_content("", "application/octet-stream");
+    if (file_.size() == 0) return response.set_content("", "application/octet-stream");
     response.set_content_provider(
-        file_bytes_, "application/octet-stream",
+        file_.size(), "application/octet-stream",
         [this](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
             std::vector<char> bytes(std::min(length, kPieceBytes));
             const ssize_t count =
-                pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+                pread(file_.descriptor(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
             return count > 0 && sink.write(bytes.data(), static_cast<std::size_t>(count));
         });
 }

@@ -8,8 +8,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
+
+#include "octavo/core/input_file.h"
+#include "server_threads.h"
 
 namespace octavo::cli {
 
@@ -17,7 +21,8 @@ namespace octavo::cli {
 ///
 /// It listens on 127.0.0.1; takes requests for its own Host names only, so that a foreign page
 /// whose name was made to lead here gets nothing; and knows no path but those below a random token.
-/// A client that sends too much or too slowly is cut off. Up to 128 connections are served at a
+/// A client that sends too much or too slowly is cut off, as is one for whose answer there is no
+/// memory. Up to 128 connections are served at a
 /// time, others wait.
 class LocalServer : private httplib::Server {
 public:
@@ -54,11 +59,11 @@ private:
 
     Content content_;
     std::string token_;
-    int descriptor_ = -1;
-    std::uint64_t file_bytes_ = 0;
+    InputFile file_;
     int listening_ = -1;
     int port_ = 0;
     std::atomic<bool> stopping_ = false;
+    std::unique_ptr<ServerThreads> threads_;  // until it listens
     std::thread thread_;
 };
 

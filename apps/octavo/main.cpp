@@ -72,6 +72,12 @@ int run(int argc, char** argv) {
     } catch (const CLI::CallForVersion& version) {
         print(std::string(version.what()) + "\n");
         return kDone;
+    } catch (const CLI::RequiredError& error) {
+        // The library misses what it wants before it looks at what it does not know.
+        const bool named = argc > 1 && program.get_subcommands().empty();
+        return named ? fail(kUsage,
+                            fmt::format("there is no command '{}'; see octavo --help", argv[1]))
+                     : fail(kUsage, fmt::format("{}; see {}", error.what(), help_command(program)));
     } catch (const CLI::ParseError& error) {
         return fail(kUsage, fmt::format("{}; see {}", error.what(), help_command(program)));
     }

@@ -7,7 +7,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <system_error>
 
+#include "octavo/core/atomic_file.h"
 #include "octavo/core/error.h"
 
 namespace octavo::cli {
@@ -32,13 +34,23 @@ void print(std::string_view text) {
         throw io_error("standard output", "write");
 }
 
-void check_output(const std::filesystem::path& file, bool force) {
+void check_output(const std::filesystem::path& file, bool force,
+                  std::initializer_list<std::filesystem::path> inputs) {
+    namespace fs = std::filesystem;
+    if (file.empty()) throw Error(Errc::bad_argument, "the name of a file to write is empty");
     std::error_code ignored;
-    if (!force && std::filesystem::exists(file, ignored))
+    for (const fs::path& input : inputs)
+        if (!input.empty() && fs::equivalent(file, input, ignored))
+            throw Error(Errc::bad_argument, file,
+                        "cannot write: the result is made from it, and it would be lost");
+    if (!force && fs::exists(fs::symlink_status(file, ignored)))
         throw Error(Errc::io, file,
                     "cannot write: it is already there, and --force would replace it");
-    std::filesystem::path folder = file.parent_path();
-    if (folder.empty()) folder = ".";
+    const fs::path destination = write_destination(file);
+    const fs::file_status status = fs::status(destination, ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status))
+        throw Error(Errc::io, file, "cannot write: it is not a regular file");
+    const fs::path folder = destination.has_parent_path() ? destination.parent_path() : ".";
     if (access(folder.c_str(), W_OK | X_OK) != 0) throw io_error(file, "write");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string_view>
 
 namespace octavo::cli {
@@ -17,11 +18,15 @@ void report_full_disks();
 /// @throws Error io  where it is closed or its disk is full
 void print(std::string_view text);
 
-/// Checks, before long work begins, that its result can be written.
+/// Checks, before long work begins, that its result can be written: every command that writes a
+/// file asks this first.
 ///
 /// @param force   an existing file may be replaced
-/// @throws Error  io where the file is there and may not be replaced, or its folder cannot be
-/// written
-void check_output(const std::filesystem::path& file, bool force);
+/// @param inputs  what the result is made from; names of no file are passed over
+/// @throws Error  bad_argument where it has no name, or is one of the inputs, which would be lost;
+///                io where it is there and may not be replaced, is a folder or a device, or cannot
+///                be written
+void check_output(const std::filesystem::path& file, bool force,
+                  std::initializer_list<std::filesystem::path> inputs = {});
 
 }  // namespace octavo::cli

@@ -11,6 +11,7 @@
 
 #include "light_arguments.h"
 #include "lit_arguments.h"
+#include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
 
@@ -72,7 +73,8 @@ void refuse(httplib::Response& response, const char* why) {
 
 }  // namespace
 
-RemotePicture::RemotePicture(Model model) : model_(std::move(model)) {
+RemotePicture::RemotePicture(const std::filesystem::path& file)
+    : file_(file), model_(read_octv(file)) {
     bounds_ = content_bounds(model_.dag, model_.grid());
     if (bounds_.empty()) bounds_ = model_.grid().bounds();
     device_ = open_device("auto");
@@ -116,7 +118,7 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
 
     if (!model_.attributes.empty()) options.attributes = &model_.attributes;
     wish.stored = json.at("stored").get<bool>() && model_.metadata.light && !model_.light.empty();
-    if (wish.stored) options.sky = parse_sky(model_.metadata.light->sky, options.up);
+    if (wish.stored) options.sky = parse_stored_sky(model_.metadata.light->sky, options.up, file_);
 
     const auto light = json.at("light").get<std::int64_t>();
     const std::vector<Light>& stored = model_.metadata.lights;
@@ -184,6 +186,8 @@ void RemotePicture::render(const std::string& body, httplib::Response& response)
                 }
             } catch (const Error& error) {
                 if (error.code() != Errc::cancelled) return false;
+            } catch (const std::exception&) {  // no memory: the answer ends here
+                return false;
             }
             sink.done();
             return true;

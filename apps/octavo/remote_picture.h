@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -24,7 +25,8 @@ namespace octavo::cli {
 /// that moves never waits for pictures that nobody wants any more.
 class RemotePicture {
 public:
-    explicit RemotePicture(Model model);
+    /// @throws Error  as read_octv()
+    explicit RemotePicture(const std::filesystem::path& file);
 
     /// For the page's configuration: where to ask, and the box of the voxels.
     [[nodiscard]] nlohmann::json config() const;
@@ -52,6 +54,7 @@ private:
 
     [[nodiscard]] Image draw(const Wish& wish, const RenderOptions& options) const;
 
+    std::filesystem::path file_;
     Model model_;
     Box bounds_;
     std::unique_ptr<Device> device_;  // the best; one thread at a time, see drawing_

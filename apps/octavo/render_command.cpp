@@ -183,7 +183,8 @@ void run_lit(RenderArguments& arguments) {
 
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
-    check_output(arguments.output, arguments.force);
+    check_output(arguments.output, arguments.force,
+                 {arguments.file, arguments.dag, sky_picture(arguments.sky.value_or(""))});
     if (!arguments.gi.empty() && arguments.gi != "gathered" && arguments.gi != "cached")
         throw Error(Errc::bad_argument,
                     "--gi: '" + arguments.gi + "' is not cached; write --gi behind the file");
@@ -267,7 +268,7 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         .add_option("--ao-radius", arguments.options.ao_radius,
                     "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
         ->type_name("R")
-        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+        ->check(zero_or_more());
     command
         .add_option_function<double>(
             "--ao-cone",

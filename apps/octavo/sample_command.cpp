@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "arguments.h"
 #include "commands.h"
 #include "help.h"
 #include "octavo/core/error.h"
@@ -22,14 +25,16 @@ constexpr const char* kExamples =
     "  octavo sample hairball -o hairball.ply --size 0.1\n";
 
 struct SampleArguments {
-    std::string name;
+    std::optional<std::string> name;
     std::filesystem::path output;
     double size = 1.0;
     bool force = false;
 };
 
 void run_sample(const SampleArguments& arguments) {
-    if (arguments.name.empty()) {
+    if (!arguments.name) {
+        if (!arguments.output.empty())
+            throw Error(Errc::bad_argument, "which sample? octavo sample lists them");
         std::string text;
         for (const SampleInfo& sample : samples())
             text +=
@@ -38,10 +43,15 @@ void run_sample(const SampleArguments& arguments) {
         print(text);
         return;
     }
+    const bool known = std::ranges::count(samples(), *arguments.name, &SampleInfo::name) > 0;
+    if (!known) (void)make_sample(*arguments.name);  // says which there are
     if (arguments.output.empty())
         throw Error(Errc::bad_argument, "-o FILE is missing; see octavo sample --help");
+    if (!can_save_scene(arguments.output))
+        throw Error(Errc::bad_argument, arguments.output,
+                    "a scene's name ends in .glb, .obj or .ply");
     check_output(arguments.output, arguments.force);
-    save_scene(make_sample(arguments.name, arguments.size), arguments.output);
+    save_scene(make_sample(*arguments.name, arguments.size), arguments.output);
 }
 
 }  // namespace
@@ -57,7 +67,7 @@ void add_sample_command(CLI::App& program) {
     command
         .add_option("--size", arguments->size, "How much of it: triangles grow with this factor")
         ->type_name("F")
-        ->check(CLI::Validator(CLI::PositiveNumber).description(""));
+        ->check(above_zero());
     command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
     command.callback([arguments] { run_sample(*arguments); });
 }

@@ -65,7 +65,7 @@ void run_view(const ViewArguments& arguments) {
     (void)viewer_page();  // before anything takes time
     std::unique_ptr<RemotePicture> painter;
     if (arguments.render_here) {
-        painter = std::make_unique<RemotePicture>(read_octv(arguments.file));
+        painter = std::make_unique<RemotePicture>(arguments.file);
         config["render"] = painter->config();
         content.render = [&painter](const std::string& body, httplib::Response& response) {
             painter->render(body, response);

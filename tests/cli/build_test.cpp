@@ -137,6 +137,12 @@ TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
                         "--attributes color --max-memory 10M")
                   .code,
               4);
+    // Where reading the scene has passed it already, nothing is tried out.
+    const Outcome at_once =
+        run_shell(folder.path(), "octavo build sample:courtyard -o a.octv -r 128K --max-memory 1M");
+    EXPECT_EQ(at_once.code, 4);
+    EXPECT_NE(at_once.err.find("--max-memory "), std::string::npos) << at_once.err;
+    EXPECT_EQ(at_once.err.find("estimate"), std::string::npos) << at_once.err;
     EXPECT_EQ(folder.entries(), 0u);
 }
 

@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 
@@ -19,6 +20,7 @@
 #include <vector>
 
 #include "cli/run_command.h"
+#include "support/sanitized.h"
 
 namespace octavo::test {
 namespace {
@@ -73,6 +75,16 @@ public:
         waitpid(child_, &status, 0);
         child_ = 0;
         return code_ = exit_code_of(status);
+    }
+
+    /// From now on it can take so much more address space and no more.
+    void leave_memory_for(std::uint64_t bytes) const {
+        std::ifstream statm("/proc/" + std::to_string(child_) + "/statm");
+        std::uint64_t pages = 0;
+        statm >> pages;
+        const rlim_t most = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + bytes;
+        const rlimit limit{most, most};
+        EXPECT_EQ(prlimit(child_, RLIMIT_AS, &limit, nullptr), 0);
     }
 
     [[nodiscard]] int port() const { return port_; }
@@ -358,6 +370,23 @@ TEST_F(View, RenderHereRefusesWishesThatMakeNoSense) {
         EXPECT_EQ(status_of(post(view, view.path() + "render", body)), 400) << body;
     EXPECT_EQ(status_of(post(view, view.path() + "render", std::string(70000, ' '))), 413);
     EXPECT_EQ(status_of(post(view, "/render", kWish)), 404);
+}
+
+TEST_F(View, RenderHereOutlivesRequestsThatNoMemoryHolds) {
+    if (kSanitized) GTEST_SKIP() << "their shadow needs more address space than there is";
+    Viewing view({"--render-here"});
+    ASSERT_EQ(status_of(post(view, view.path() + "render", kWish)), 200);
+    view.leave_memory_for(std::uint64_t{96} << 20);
+    std::string large = kWish;
+    for (const char* side : {":64", ":40"}) large.replace(large.find(side), 3, ":4096");
+    for (int i = 0; i < 3; ++i) {
+        const std::string answer = post(view, view.path() + "render", large);
+        EXPECT_EQ(answer.find("\x89PNG\r\n"), std::string::npos) << "it had room enough";
+    }
+    const std::string small = post(view, view.path() + "render", kWish);
+    EXPECT_NE(small.find("\x89PNG\r\n"), std::string::npos);
+    EXPECT_EQ(body_of(get(view, view.path() + "scene.octv")), file_content(small_octv()));
+    EXPECT_LT(view.end(), 128 + 3);  // as any other interrupted program, not aborted
 }
 
 TEST_F(View, RenderHereFindsVoxels) {

@@ -56,6 +56,25 @@ TEST(AtomicFile, GivesTheUsualPermissions) {
     EXPECT_EQ(status.st_mode & 0777, 0644u);
 }
 
+TEST(AtomicFile, MakesTheTargetOfALinkThatLeadsToNothing) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("second", folder / "first");
+    std::filesystem::create_symlink("target", folder / "second");
+    AtomicFile file(folder / "first");
+    write_text(file, "text");
+    file.commit();
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "first"));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "second"));
+    EXPECT_EQ(file_content(folder / "target"), "text");
+}
+
+TEST(AtomicFile, LinksInACircleAreAnError) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("b", folder / "a");
+    std::filesystem::create_symlink("a", folder / "b");
+    EXPECT_THROW(AtomicFile(folder / "a"), Error);
+}
+
 TEST(AtomicFile, ReplacesTheTargetOfALink) {
     const TemporaryFolder folder;
     write_file(folder / "target", "old");

@@ -35,6 +35,22 @@ TEST(Grid, RefusesBoundsThatAreEmptyOrNotFinite) {
     EXPECT_THROW((void)smallest_cube({dvec3(0), dvec3(1)}, 18), Error);
 }
 
+TEST(Grid, ThatSomebodyChoseIsFiniteAndItsVoxelsCanBeToldApart) {
+    for (const auto& [origin, voxel] : {std::pair(0.0, 1e308),
+                                        {0.0, 0.0},
+                                        {0.0, -1.0},
+                                        {0.0, double(NAN)},
+                                        {0.0, double(INFINITY)},
+                                        {double(NAN), 1.0},
+                                        {1e308, 1.0},
+                                        {-1e308, 1.0},
+                                        {1e16, 1.0}})
+        EXPECT_THROW(check_grid({dvec3(0, origin, 0), voxel, 10}), Error) << origin << " " << voxel;
+    for (const auto& [origin, voxel] :
+         {std::pair(0.0, 1e-300), {0.0, 1e300}, {5.7e6, 0.01}, {1e12, 0.01}})
+        EXPECT_NO_THROW(check_grid({dvec3(origin), voxel, 17})) << origin << " " << voxel;
+}
+
 TEST(Grid, AResolutionIsAPowerOfTwoFrom4To131072) {
     EXPECT_EQ(depth_of_resolution(4), 2);
     EXPECT_EQ(depth_of_resolution(131072), 17);

@@ -86,7 +86,9 @@ TEST_P(NoBlackCellsSlow, EveryHitInARealSceneFindsItsColor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, NoBlackCellsSlow,
-                         testing::Values("sponza/Sponza.gltf", "bathroom2/bathroom2.gltf"));
+                         testing::Values("sponza/Sponza.gltf", "bathroom2/bathroom2.gltf",
+                                         "bunny/bun_zipper.ply", "dragon/dragon_vrip_res3.ply.gz",
+                                         "terrain/2598528.obj"));
 
 }  // namespace
 }  // namespace octavo

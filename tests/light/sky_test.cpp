@@ -130,6 +130,16 @@ TEST(SkyImage, ReadsRadiancePixelsAndRuns) {
     EXPECT_EQ(sky.color[7], vec3(2.0f, 1.0f, 0.0f));
 }
 
+TEST(SkyImage, AnExrThatIsCutShortIsRefused) {
+    const test::TemporaryFolder folder;
+    write_exr(folder / "sky.exr", Image(8, 4));
+    const std::string whole = test::file_content(folder / "sky.exr");
+    for (std::size_t cut = 0; cut < whole.size(); ++cut) {
+        write_bytes(folder / "cut.exr", whole.substr(0, cut));
+        EXPECT_THROW((void)load_sky_image(folder / "cut.exr"), Error) << cut;
+    }
+}
+
 TEST(SkyImage, RefusesWhatIsDamaged) {
     const test::TemporaryFolder folder;
     const auto file = folder.path() / "sky.hdr";

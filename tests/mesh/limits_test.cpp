@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <string>
 
@@ -87,6 +88,60 @@ TEST(ChildProcess, HandsTheSceneOver) {
     EXPECT_EQ(got.textures[0].encoded, scene.textures[0].encoded);
     EXPECT_EQ(got.cameras[0].name, "c");
     EXPECT_EQ(got.lights[0].kind, Light::Kind::spot);
+}
+
+TEST(ChildProcess, AllocationThatFailsIsALimitEvenWhereTheLibraryCatchesIt) {
+    const auto greedy = []() -> Scene {
+        try {
+            std::vector<char> all(std::size_t{1} << 40);
+            return {};
+        } catch (const std::exception& error) {
+            throw Error(Errc::bad_input, "a", error.what());
+        }
+    };
+    EXPECT_THROW((void)read_in_child("a", greedy, 256 * kMiB, 60.0), std::bad_alloc);
+}
+
+TEST(LoadLimits, CountsThatNoMemoryHoldsAreALimit) {
+    const test::TemporaryFolder folder;
+    const Error error =
+        test::load_error(folder.write("a.off", "OFF\n4000000000 4000000000 0\n0 0 0\n"));
+    EXPECT_EQ(error.code(), Errc::limit) << error.what();
+}
+
+/// Each is well-formed; its numbers are not.
+TEST(Content, ThatIsNotFiniteOrTooLargeIsBadInputWithItsFile) {
+    const test::TemporaryFolder folder;
+    const auto obj = [](const std::string& x, const std::string& second = "1") {
+        return "v " + x + " 0 0\nv " + second + " 0 0\nv 0 1 0\nf 1 2 3\n";
+    };
+    std::string stl(84, '\0');
+    stl[80] = 1;
+    for (int i = 0; i < 12; ++i) stl += test::raw(NAN);
+    stl += std::string(2, '\0');
+    for (const auto& [name, text] :
+         {std::pair("huge.obj", obj("1e400")), std::pair("nan.obj", obj("nan")),
+          std::pair("wide.obj", obj("1e308", "-1e308")), std::pair("nan.stl", stl)}) {
+        const Error error = test::load_error(folder.write(name, text));
+        EXPECT_EQ(error.code(), Errc::bad_input) << name;
+        EXPECT_EQ(error.file(), folder / name) << error.what();
+    }
+    // One that is finite is enough.
+    const auto mixed = folder.write("mixed.obj", obj("0") + obj("nan"));
+    EXPECT_EQ(load_scene(mixed).triangles.size(), 2u);
+}
+
+TEST(Content, OfPlyListsIsWholeNumbers) {
+    const test::TemporaryFolder folder;
+    const auto ply = [](const std::string& count, const std::string& index) {
+        return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list " +
+               count + " " + index + " vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    };
+    EXPECT_EQ(load_scene(folder.write("a.ply", ply("uchar", "int"))).triangles.size(), 1u);
+    for (const auto& [count, index] : {std::pair("float", "int"), std::pair("uchar", "double")})
+        EXPECT_EQ(test::load_error(folder.write("a.ply", ply(count, index))).code(),
+                  Errc::bad_input);
 }
 
 TEST(ChildProcess, CrashIsBadInput) {

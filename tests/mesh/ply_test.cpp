@@ -86,7 +86,8 @@ TEST(Ply, ReadsStripsThatBeginAnewAtMinusOne) {
 
 TEST(Ply, KeepsCoordinatesThatAreNotFinite) {
     const TemporaryFolder folder;
-    std::string text = ascii_triangle("3 0 1 2\n");
+    std::string text = ascii_triangle("3 0 1 2\n3 0 2 0\n");  // the second is finite
+    text.replace(text.find("face 1"), 6, "face 2");
     text.replace(text.find("1 0 0\n"), 6, "nan inf 1e999\n");
     const Scene scene = load_scene(folder.write("a.ply", text));
     EXPECT_TRUE(std::isnan(scene.positions[1].x));

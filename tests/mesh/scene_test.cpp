@@ -43,8 +43,8 @@ TEST(LoadScene, SaysThatAFileIsMissing) {
 
 TEST(LoadScene, RejectsFoldersPipesAndUnknownKinds) {
     const test::TemporaryFolder folder;
-    EXPECT_EQ(test::load_error(folder.path()).code(), Errc::io);
-    EXPECT_EQ(test::load_error("/dev/zero").code(), Errc::io);
+    EXPECT_EQ(test::load_error(folder.path()).code(), Errc::bad_input);
+    EXPECT_EQ(test::load_error("/dev/zero").code(), Errc::bad_input);
     EXPECT_EQ(test::load_error(folder.write("notes.txt", "hello")).code(), Errc::unsupported);
 }
 

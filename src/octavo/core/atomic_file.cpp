@@ -38,13 +38,23 @@ int create_beside(const std::filesystem::path& destination, std::filesystem::pat
 
 }  // namespace
 
-AtomicFile::AtomicFile(const std::filesystem::path& destination)
-    : shown_(destination), destination_(destination) {
-    std::error_code ignored;
-    if (std::filesystem::is_symlink(destination, ignored)) {
-        const auto target = std::filesystem::weakly_canonical(destination, ignored);
-        if (!ignored) destination_ = target;
+std::filesystem::path write_destination(const std::filesystem::path& file) {
+    constexpr int kMostLinks = 40;  // as the system itself follows
+    std::filesystem::path at = file;
+    std::error_code failed;
+    for (int links = 0; std::filesystem::is_symlink(at, failed); ++links) {
+        if (links == kMostLinks)
+            throw Error(Errc::io, file, "cannot write: its symbolic links lead in a circle");
+        const std::filesystem::path target = std::filesystem::read_symlink(at, failed);
+        if (failed) throw Error(Errc::io, file, "cannot write: " + failed.message());
+        at = at.parent_path() / target;
     }
+    return at;
+}
+
+AtomicFile::AtomicFile(const std::filesystem::path& destination)
+    : shown_(destination), destination_(write_destination(destination)) {
+    std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(destination_, ignored);
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
         throw Error(Errc::io, shown_, "cannot write: it is not a regular file");

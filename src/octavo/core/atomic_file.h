@@ -8,11 +8,15 @@
 
 namespace octavo {
 
+/// Where a file of this name would be written: its symbolic links are followed, also those that
+/// lead to nothing yet. @throws Error io where they lead in a circle
+[[nodiscard]] std::filesystem::path write_destination(const std::filesystem::path& file);
+
 /// A file that appears whole or not at all. Bytes go to a temporary file in the destination's
 /// folder; `commit` syncs it, renames it over the destination and syncs the folder. Without
 /// `commit` the destructor removes the temporary, and whatever was at the destination is untouched.
 ///
-/// A destination that is a symbolic link keeps being one: its target is replaced.
+/// A destination that is a symbolic link keeps being one: its target is replaced, or made.
 class AtomicFile {
 public:
     /// @throws Error io  where the folder cannot be written, or the destination is no regular file

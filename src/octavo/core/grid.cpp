@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "octavo/core/error.h"
@@ -25,6 +26,24 @@ Grid smallest_cube(const Box& bounds, int depth) {
     grid.voxel_size = side / grid.resolution();
     grid.origin = bounds.centre() - 0.5 * side;
     return grid;
+}
+
+void check_grid(const Grid& grid) {
+    if (!(grid.voxel_size > 0.0) || !std::isfinite(grid.voxel_size))
+        throw Error(Errc::bad_argument, "a voxel's size is not above 0");
+    const Box box = grid.bounds();
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {box.low[axis], box.high[axis]}) {
+            if (!std::isfinite(side))
+                throw Error(Errc::bad_argument, "the grid reaches past the largest number");
+            farthest = std::max(farthest, std::abs(side));
+        }
+    // Half of a voxel must still change a coordinate.
+    if (grid.voxel_size < 4.0 * std::numeric_limits<double>::epsilon() * farthest)
+        throw Error(Errc::bad_argument,
+                    "voxels are too small for places so far from the origin: their sides are lost "
+                    "in the rounding of coordinates");
 }
 
 int depth_of_resolution(std::uint64_t resolution) {

@@ -40,6 +40,11 @@ struct Grid {
 /// @throws Error  bad_argument where the box is empty or not finite, or the depth out of range
 [[nodiscard]] Grid smallest_cube(const Box& bounds, int depth);
 
+/// Checks a grid that somebody chose.
+/// @throws Error  bad_argument where it is not finite, its voxels have no size, or are so small
+///                beside their coordinates that neighbours could not be told apart
+void check_grid(const Grid& grid);
+
 /// The depth of a resolution. @throws Error bad_argument unless it is a power of two, 4 to 131072
 [[nodiscard]] int depth_of_resolution(std::uint64_t resolution);
 

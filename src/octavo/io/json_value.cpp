@@ -27,8 +27,8 @@ public:
         add(JsonValue::Kind::null);
         return true;
     }
-    bool boolean(bool) {
-        add(JsonValue::Kind::boolean);
+    bool boolean(bool truth) {
+        add(JsonValue::Kind::boolean).truth = truth;
         return true;
     }
     bool number_integer(std::int64_t number) {

@@ -15,6 +15,7 @@ struct JsonValue {
     enum class Kind { null, boolean, count, number, text, array, object };
 
     Kind kind = Kind::null;
+    bool truth = false;       // of a boolean
     std::uint64_t count = 0;  // a whole number of 0 or more
     double number = 0.0;      // that, or any other
     std::string text = {};

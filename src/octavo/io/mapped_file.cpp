@@ -1,73 +1,31 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/io/mapped_file.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <string>
-#include <utility>
 
 #include "octavo/core/error.h"
 
 namespace octavo {
-namespace {
-
-class OpenFile {
-public:
-    explicit OpenFile(const std::filesystem::path& path)
-        // Without O_NONBLOCK, opening a named pipe would wait for a writer for ever.
-        : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-        struct stat status {};
-        if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) throw io_error(path, "read");
-        if (!S_ISREG(status.st_mode)) {
-            close(descriptor_);
-            throw Error(Errc::io, path, "cannot read: it is not a regular file");
-        }
-        size_ = static_cast<std::size_t>(status.st_size);
-    }
-    ~OpenFile() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-
-    [[nodiscard]] int descriptor() const { return descriptor_; }
-    [[nodiscard]] std::size_t size() const { return size_; }
-    [[nodiscard]] int release() { return std::exchange(descriptor_, -1); }
-
-private:
-    int descriptor_;
-    std::size_t size_ = 0;
-};
-
-}  // namespace
-
 Mapping::~Mapping() {
     if (size_ > 0) munmap(address_, size_);
 }
 
 std::shared_ptr<const Mapping> map_file(const std::filesystem::path& path) {
-    const OpenFile file(path);
+    const InputFile file(path);
     if (file.size() == 0) return std::make_shared<Mapping>(nullptr, 0);
     void* address = mmap(nullptr, file.size(), PROT_READ, MAP_PRIVATE, file.descriptor(), 0);
     if (address == MAP_FAILED) throw io_error(path, "map");
     return std::make_shared<Mapping>(address, file.size());
 }
 
-FileCopy::FileCopy(const std::filesystem::path& path) : path_(path) {
-    OpenFile file(path);
-    memory_ = allocate_mapping(file.size());
-    descriptor_ = file.release();
-}
-
-FileCopy::~FileCopy() {
-    close(descriptor_);
-}
+FileCopy::FileCopy(const std::filesystem::path& path)
+    : path_(path), file_(path), memory_(allocate_mapping(file_.size())) {}
 
 void FileCopy::fetch(std::uint64_t offset, std::uint64_t size) {
     const std::span<std::byte> all = memory_->writable_bytes();
@@ -81,7 +39,7 @@ void FileCopy::fetch(std::uint64_t offset, std::uint64_t size) {
         std::span<std::byte> rest = part.subspan(first, std::min(kPiece, part.size() - first));
         auto at = static_cast<off_t>(offset + first);
         while (!rest.empty()) {
-            const ssize_t count = pread(descriptor_, rest.data(), rest.size(), at);
+            const ssize_t count = pread(file_.descriptor(), rest.data(), rest.size(), at);
             if (count < 0 && errno == EINTR) continue;
             if (count < 0) throw io_error(path_, "read");
             if (count == 0)

@@ -7,6 +7,8 @@
 #include <memory>
 #include <span>
 
+#include "octavo/core/input_file.h"
+
 namespace octavo {
 
 /// A page-aligned range of memory that unmaps itself.
@@ -32,18 +34,15 @@ private:
 /// Maps a file for reading, without a copy. A file that shrinks while it is mapped ends the process
 /// with SIGBUS where the lost part is touched; AtomicFile never shrinks one, as it replaces the
 /// whole.
-/// @throws Error io  where it is missing, unreadable, or no regular file
+/// @throws Error  as InputFile; io where it cannot be mapped
 [[nodiscard]] std::shared_ptr<const Mapping> map_file(const std::filesystem::path& path);
 
 /// Memory as long as a file, for a copy of it that nobody else can change or cut off. It is zero,
 /// and takes up no room, but for the parts that have been fetched.
 class FileCopy {
 public:
-    /// @throws Error io  as map_file does
+    /// @throws Error  as InputFile
     explicit FileCopy(const std::filesystem::path& path);
-    ~FileCopy();
-    FileCopy(const FileCopy&) = delete;
-    FileCopy& operator=(const FileCopy&) = delete;
 
     /// Reads a part of the file, and no more than there is; on all threads where it is large.
     /// @throws Error io  where the file has become shorter meanwhile, or cannot be read
@@ -55,7 +54,7 @@ public:
 
 private:
     std::filesystem::path path_;
-    int descriptor_;
+    InputFile file_;
     std::shared_ptr<Mapping> memory_;
 };
 

@@ -7,7 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/dag/node.h"
-#include "octavo/io/json_value.h"
+#include "octavo/io/json_field.h"
 
 namespace octavo {
 namespace {
@@ -108,64 +108,11 @@ void write_lights(JsonWriter& json, const std::vector<Light>& lights) {
     json.close(']');
 }
 
+using Field = JsonField;
+
 [[noreturn]] void refuse(const std::string& reason) {
-    throw Error(Errc::bad_input, "metadata: " + reason);
+    throw Error(Errc::bad_input, reason);
 }
-
-/// A JSON value together with the way to it, so that an error can name the field.
-class Field {
-public:
-    Field(const JsonValue& json, std::string name) : json_(json), name_(std::move(name)) {}
-
-    [[nodiscard]] Field operator[](const char* key) const {
-        if (json_.kind != Kind::object) refuse(name_ + " is not an object");
-        const JsonValue* const found = json_.find(key);
-        if (found == nullptr) refuse(name_ + "/" + key + " is missing");
-        return {*found, name_ + "/" + key};
-    }
-    [[nodiscard]] bool has(const char* key) const { return json_.find(key) != nullptr; }
-    [[nodiscard]] std::vector<Field> items() const {
-        if (json_.kind != Kind::array) refuse(name_ + " is not an array");
-        std::vector<Field> fields;
-        for (std::size_t i = 0; i < json_.items.size(); ++i)
-            fields.emplace_back(json_.items[i], name_ + "/" + std::to_string(i));
-        return fields;
-    }
-    [[nodiscard]] std::string text() const {
-        if (json_.kind != Kind::text) refuse(name_ + " is not a text");
-        return json_.text;
-    }
-    [[nodiscard]] double number() const {
-        if (json_.kind != Kind::number && json_.kind != Kind::count)
-            refuse(name_ + " is not a number");
-        if (!std::isfinite(json_.number)) refuse(name_ + " is not finite");
-        return json_.number;
-    }
-    [[nodiscard]] std::uint64_t count(std::uint64_t max) const {
-        if (json_.kind != Kind::count) refuse(name_ + " is not a count");
-        const std::uint64_t value = json_.count;
-        if (value > max)
-            refuse(name_ + " is " + std::to_string(value) + "; at most " + std::to_string(max) +
-                   " is possible");
-        return value;
-    }
-    template <typename Vector>
-    [[nodiscard]] Vector vector() const {
-        const std::vector<Field> parts = items();
-        if (parts.size() != 3) refuse(name_ + " does not have three numbers");
-        using Number = typename Vector::value_type;
-        return Vector(static_cast<Number>(parts[0].number()),
-                      static_cast<Number>(parts[1].number()),
-                      static_cast<Number>(parts[2].number()));
-    }
-    [[nodiscard]] const std::string& name() const { return name_; }
-
-private:
-    using Kind = JsonValue::Kind;
-
-    const JsonValue& json_;
-    std::string name_;
-};
 
 Camera decode_camera(const Field& json) {
     return {.name = json["name"].text(),
@@ -272,12 +219,28 @@ LightSummary decode_stored_light(const Field& json) {
     return light;
 }
 
-JsonValue parse(std::string_view text) {
-    try {
-        return parse_json(text);
-    } catch (const Error& error) {
-        refuse(error.what());
-    }
+Metadata decode(const Field& root) {
+    Metadata metadata;
+    metadata.source = root["source"].text();
+    const auto rule = voxel_rule_from_name(root["rule"].text());
+    if (!rule) refuse("/rule is not a rule that this program knows");
+    metadata.rule = *rule;
+    metadata.grid = decode_grid(root["grid"]);
+
+    const Field triangles = root["triangles"];
+    constexpr std::uint64_t kAnyCount = std::uint64_t{1} << 53;  // exact in every JSON reader
+    metadata.triangles = triangles["total"].count(kAnyCount);
+    metadata.degenerate_triangles = triangles["degenerate"].count(metadata.triangles);
+    metadata.non_finite_triangles = triangles["non_finite"].count(metadata.triangles);
+    metadata.statistics = decode_statistics(root, metadata.grid.depth);
+    if (root.has("attributes"))
+        metadata.attributes = decode_attributes(root["attributes"], metadata.grid.depth);
+    if (root.has("light")) metadata.light = decode_stored_light(root["light"]);
+    for (const Field& camera : root["cameras"].items())
+        metadata.cameras.push_back(decode_camera(camera));
+    for (const Field& light : root["lights"].items())
+        metadata.lights.push_back(decode_light(light));
+    return metadata;
 }
 
 }  // namespace
@@ -318,29 +281,12 @@ std::string encode_metadata(const Metadata& metadata) {
 }
 
 Metadata decode_metadata(std::string_view text) {
-    const JsonValue json = parse(text);
-    const Field root(json, "");
-    Metadata metadata;
-    metadata.source = root["source"].text();
-    const auto rule = voxel_rule_from_name(root["rule"].text());
-    if (!rule) refuse("/rule is not a rule that this program knows");
-    metadata.rule = *rule;
-    metadata.grid = decode_grid(root["grid"]);
-
-    const Field triangles = root["triangles"];
-    constexpr std::uint64_t kAnyCount = std::uint64_t{1} << 53;  // exact in every JSON reader
-    metadata.triangles = triangles["total"].count(kAnyCount);
-    metadata.degenerate_triangles = triangles["degenerate"].count(metadata.triangles);
-    metadata.non_finite_triangles = triangles["non_finite"].count(metadata.triangles);
-    metadata.statistics = decode_statistics(root, metadata.grid.depth);
-    if (root.has("attributes"))
-        metadata.attributes = decode_attributes(root["attributes"], metadata.grid.depth);
-    if (root.has("light")) metadata.light = decode_stored_light(root["light"]);
-    for (const Field& camera : root["cameras"].items())
-        metadata.cameras.push_back(decode_camera(camera));
-    for (const Field& light : root["lights"].items())
-        metadata.lights.push_back(decode_light(light));
-    return metadata;
+    try {
+        const JsonValue json = parse_json(text);
+        return decode(Field(json, ""));
+    } catch (const Error& error) {
+        throw Error(error.code(), std::string("metadata: ") + error.what());
+    }
 }
 
 std::vector<std::uint64_t> level_begins(const Statistics& statistics) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "octavo/core/input_file.h"
 #include "octavo/io/container.h"
 #include "octavo/io/mapped_file.h"
 #include "octavo/io/reading.h"
@@ -76,6 +77,7 @@ Validation validate_octv(const std::filesystem::path& path, const ValidateOption
                     .strict = options.strict,
                     .max_findings = options.max_findings};
     Validation validation;
+    validation.file_bytes = InputFile(path).size();  // what is no file has no findings
     Model model;
     double ignored_seconds = 0.0;
     reading.check(ignored_seconds, [&] { model = read_model(reading); });
@@ -91,8 +93,6 @@ Validation validate_octv(const std::filesystem::path& path, const ValidateOption
     validation.extra_seconds = passed.count();
 
     validation.findings = std::move(reading.findings);
-    std::error_code ignored;
-    validation.file_bytes = std::filesystem::file_size(path, ignored);
     return validation;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Radiance pictures after Ward, "Real Pixels", Graphics Gems II, 1991.
+#include <OpenEXR/Iex.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 
 #include <algorithm>
@@ -11,20 +13,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <new>
 #include <string>
 #include <vector>
 
-#include "octavo/core/error.h"
+#include "octavo/core/file_bytes.h"
 #include "octavo/light/sky.h"
 
 namespace octavo {
 namespace {
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 31;  // those, as 32-bit RGBA, and more
 
 void check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height) {
     if (width < 1 || height < 1 || width > 65536 || height > 65536 ||
@@ -32,9 +34,32 @@ void check_size(const std::filesystem::path& file, std::int64_t width, std::int6
         throw Error(Errc::bad_input, file, "the picture has no pixel, or more than 2^26");
 }
 
-SkyImage load_exr(const std::filesystem::path& file) {
+/// The OpenEXR library's way to a file that is in memory: it would open any name that it is given.
+class ExrStream : public Imf::IStream {
+public:
+    explicit ExrStream(const FileBytes& file) : IStream(file.file().c_str()), bytes_(file.view()) {}
+
+    bool read(char* to, int size) override {
+        const auto count = static_cast<std::uint64_t>(std::max(size, 0));
+        if (at_ > bytes_.size() || count > bytes_.size() - at_)
+            throw Iex::InputExc("the picture ends early");
+        std::memcpy(to, bytes_.data() + at_, count);
+        at_ += count;
+        return at_ < bytes_.size();
+    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t position) override { at_ = position; }
+
+private:
+    std::string_view bytes_;
+    std::uint64_t at_ = 0;
+};
+
+SkyImage load_exr(const FileBytes& bytes) {
+    const std::filesystem::path& file = bytes.file();
     try {
-        Imf::InputFile in(file.c_str());
+        ExrStream stream(bytes);
+        Imf::InputFile in(stream);
         const auto box = in.header().dataWindow();
         const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
         const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -67,11 +92,7 @@ SkyImage load_exr(const std::filesystem::path& file) {
 /// The bytes of a file, read one after the other.
 class Bytes {
 public:
-    explicit Bytes(const std::filesystem::path& file) : file_(file) {
-        std::ifstream in(file, std::ios::binary);
-        if (!in) throw io_error(file, "open");
-        bytes_.assign(std::istreambuf_iterator<char>(in), {});
-    }
+    explicit Bytes(const FileBytes& file) : file_(file), bytes_(file.view()) {}
     std::uint8_t next() {
         if (at_ >= bytes_.size()) fail("the picture ends early");
         return static_cast<std::uint8_t>(bytes_[at_++]);
@@ -86,12 +107,12 @@ public:
     }
     [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
     [[noreturn]] void fail(const std::string& reason) const {
-        throw Error(Errc::bad_input, file_, reason, at_);
+        throw file_.error_at(bytes_.data() + at_, reason);
     }
 
 private:
-    std::filesystem::path file_;
-    std::string bytes_;
+    const FileBytes& file_;
+    std::string_view bytes_;
     std::size_t at_ = 0;
 };
 
@@ -130,8 +151,9 @@ void read_row(Bytes& in, std::vector<Rgbe>& row) {
         }
 }
 
-SkyImage load_hdr(const std::filesystem::path& file) {
-    Bytes in(file);
+SkyImage load_hdr(const FileBytes& bytes) {
+    const std::filesystem::path& file = bytes.file();
+    Bytes in(bytes);
     const std::string magic = in.line();
     if (!magic.starts_with("#?")) in.fail("this is not a Radiance picture");
     bool rgbe = false;
@@ -165,8 +187,8 @@ SkyImage load_sky_image(const std::filesystem::path& file) {
     });
     if (extension != ".exr" && extension != ".hdr")
         throw Error(Errc::unsupported, file, "a sky's name ends in .exr or .hdr");
-    if (!std::filesystem::exists(file)) throw Error(Errc::io, file, "no such file");
-    SkyImage image = extension == ".exr" ? load_exr(file) : load_hdr(file);
+    const FileBytes bytes = read_file(file, kMostBytes);
+    SkyImage image = extension == ".exr" ? load_exr(bytes) : load_hdr(bytes);
     for (const vec3& c : image.color)
         for (int i = 0; i < 3; ++i)
             if (!(c[i] >= 0.0f) || !std::isfinite(c[i]))

@@ -27,7 +27,10 @@ public:
         return is_inside(folder_, file) && Assimp::DefaultIOSystem::Exists(file);
     }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
-        return is_inside(folder_, file) ? Assimp::DefaultIOSystem::Open(file, mode) : nullptr;
+        std::error_code ignored;  // a pipe would keep it waiting
+        return is_inside(folder_, file) && std::filesystem::is_regular_file(file, ignored)
+                   ? Assimp::DefaultIOSystem::Open(file, mode)
+                   : nullptr;
     }
 
 private:

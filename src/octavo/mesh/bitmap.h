@@ -22,6 +22,9 @@ struct Bitmap {
     }
 };
 
+/// More than the largest picture takes uncompressed: of a longer file nothing is read.
+inline constexpr std::uint64_t kMaxPictureBytes = std::uint64_t{1} << 31;
+
 /// Decodes a PNG, JPEG or TGA picture; which one is told from the bytes. 16-bit channels are
 /// rounded to 8 bits, grey and palettes are spread out.
 ///

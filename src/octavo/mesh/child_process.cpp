@@ -64,6 +64,8 @@ void write_all(int descriptor, const std::string& text) {
     setrlimit(RLIMIT_CORE, &no_core);
     const rlimit memory{max_address_space, max_address_space};
     setrlimit(RLIMIT_AS, &memory);
+    // The library turns a bad_alloc into a text like any other failure.
+    std::set_new_handler([] { _exit(kOutOfMemory); });
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL})
         std::signal(signal, SIG_DFL);
     try {

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "octavo/core/error.h"
-#include "octavo/mesh/file_bytes.h"
+#include "octavo/core/file_bytes.h"
 
 namespace octavo {
 namespace {
 
 Bitmap decode(const Texture& texture) {
     if (texture.file.empty()) return decode_bitmap(texture.encoded);
-    const FileBytes bytes = read_file(texture.file);
+    const FileBytes bytes = read_file(texture.file, kMaxPictureBytes);
     return decode_bitmap(std::as_bytes(std::span(bytes.view())));
 }
 

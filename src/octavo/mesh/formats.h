@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "octavo/mesh/file_bytes.h"
+#include "octavo/core/file_bytes.h"
 #include "octavo/mesh/scene.h"
 
 /// One reader per format; `load_scene` chooses. Each fills a scene from bytes that are in memory,

@@ -43,7 +43,7 @@ dvec3 unit(const dvec4& direction, const dvec3& fallback) {
 class SceneReader {
 public:
     SceneReader(const FileBytes& bytes, std::uint64_t max_bytes)
-        : document_(bytes), max_bytes_(max_bytes) {}
+        : document_(bytes, max_bytes), max_bytes_(max_bytes) {}
 
     Scene read() {
         check_extensions();
@@ -324,13 +324,20 @@ private:
     bool any_material_ = false;
 };
 
+/// The library's words without the number that it puts before them.
+std::string without_code(const json::exception& error) {
+    const std::string text = error.what();
+    const std::size_t code = text.find("] ");
+    return code == std::string::npos ? text : text.substr(code + 2);
+}
+
 }  // namespace
 
 Scene formats::read_gltf(const FileBytes& bytes, std::uint64_t max_bytes) {
     try {
         return SceneReader(bytes, max_bytes).read();
     } catch (const json::exception& error) {
-        throw bytes.error(std::string("is not valid glTF: ") + error.what());
+        throw bytes.error("is not valid glTF: " + without_code(error));
     }
 }
 

@@ -116,7 +116,8 @@ std::uint32_t Accessor::index(std::size_t i) const {
     }
 }
 
-Document::Document(const FileBytes& bytes) : file_(bytes) {
+Document::Document(const FileBytes& bytes, std::uint64_t max_bytes)
+    : file_(bytes), buffer_bytes_left_(max_bytes) {
     const std::string_view view = bytes.view();
     std::string_view text = view;
     if (view.starts_with("glTF")) {
@@ -177,7 +178,10 @@ std::span<const std::byte> Document::buffer(std::size_t index) {
     const auto path = confined_path(folder_of(file_.file()), percent_decoded(uri));
     if (!path) throw file_.error("the buffer '" + uri + "' is outside the scene's folder");
     auto known = buffer_files_.find(*path);
-    if (known == buffer_files_.end()) known = buffer_files_.emplace(*path, read_file(*path)).first;
+    if (known == buffer_files_.end()) {
+        known = buffer_files_.emplace(*path, read_file(*path, buffer_bytes_left_)).first;
+        buffer_bytes_left_ -= known->second.view().size();
+    }
     return as_bytes(known->second.view());
 }
 

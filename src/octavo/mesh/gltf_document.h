@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/file_bytes.h"
 #include "octavo/core/vec.h"
-#include "octavo/mesh/file_bytes.h"
 
 namespace octavo::gltf {
 
@@ -44,7 +44,8 @@ private:
 /// Functions throw Error bad_input where the file asks for bytes that it does not have.
 class Document {
 public:
-    explicit Document(const FileBytes& bytes);
+    /// @param max_bytes  of its buffers together @throws Error limit beyond
+    Document(const FileBytes& bytes, std::uint64_t max_bytes);
 
     [[nodiscard]] const FileBytes& file() const { return file_; }
     [[nodiscard]] const json& root() const { return root_; }
@@ -66,6 +67,7 @@ private:
     std::optional<std::span<const std::byte>> glb_chunk_;
     std::map<std::size_t, std::vector<std::byte>> inline_buffers_;
     std::map<std::filesystem::path, FileBytes> buffer_files_;
+    std::uint64_t buffer_bytes_left_;
 };
 
 /// A whole number at this key: none where the key is absent. @throws json::exception where it is

@@ -2,12 +2,14 @@
 #include "octavo/mesh/load.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <string>
 
 #include "octavo/core/memory.h"
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
+#include "octavo/mesh/gzip.h"
 
 namespace octavo {
 namespace fs = std::filesystem;
@@ -28,7 +30,7 @@ std::string format_extension(const fs::path& file) {
 
 Scene read(const fs::path& file, const LoadLimits& limits) {
     const std::string extension = format_extension(file);
-    FileBytes bytes = read_file(file);
+    FileBytes bytes = read_file(file, limits.max_bytes);
     if (is_gzip(bytes.view())) bytes = inflate_file(bytes, limits.max_bytes);
 
     // Two formats say what they are, whatever the file is called.
@@ -69,6 +71,12 @@ void check(const Scene& scene, const fs::path& file) {
         !one_each(scene.triangle_materials, scene.triangles.size()) ||
         !std::ranges::all_of(scene.triangle_materials, known))
         throw Error(Errc::bad_input, file, "a vertex or triangle refers to what does not exist");
+    const Box bounds = scene.bounds();
+    if (bounds.empty())
+        throw Error(Errc::bad_input, file, "no triangle has corners that are all numbers");
+    const dvec3 size = bounds.size();
+    if (!std::isfinite(size.x) || !std::isfinite(size.y) || !std::isfinite(size.z))
+        throw Error(Errc::bad_input, file, "its coordinates are too large: they reach too far");
 }
 
 }  // namespace

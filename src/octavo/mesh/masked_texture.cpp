@@ -6,8 +6,8 @@
 #include <string>
 
 #include "octavo/core/error.h"
+#include "octavo/core/file_bytes.h"
 #include "octavo/mesh/confined_path.h"
-#include "octavo/mesh/file_bytes.h"
 #include "octavo/mesh/png.h"
 #include "octavo/mesh/tga.h"
 
@@ -26,7 +26,7 @@ std::optional<Bitmap> read_picture(Scene& scene, const std::filesystem::path& fo
         } else if (!std::filesystem::is_regular_file(*file, error)) {
             why = "is missing";
         } else {
-            const FileBytes bytes = read_file(*file);
+            const FileBytes bytes = read_file(*file, kMaxPictureBytes);
             return decode_bitmap(std::as_bytes(std::span(bytes.view())));
         }
     } catch (const Error& error) {

@@ -3,14 +3,16 @@
 // MTL, after the Alias|Wavefront description (1995) and what programs write today: Ke and Tr.
 #include "octavo/mesh/obj_materials.h"
 
+#include "octavo/core/file_bytes.h"
 #include "octavo/mesh/confined_path.h"
-#include "octavo/mesh/file_bytes.h"
 #include "octavo/mesh/masked_texture.h"
 #include "octavo/mesh/text_cursor.h"
 #include "octavo/mesh/texture_files.h"
 
 namespace octavo {
 namespace {
+
+constexpr std::uint64_t kMaxLibraryBytes = std::uint64_t{1} << 28;
 
 constexpr float kMaskCutoff = 0.5f;
 
@@ -54,7 +56,7 @@ std::string_view map_file(std::string_view text) {
 
 void read_obj_materials(const std::filesystem::path& file, Scene& scene,
                         std::map<std::string, std::uint32_t, std::less<>>& by_name) {
-    const FileBytes bytes = read_file(file);
+    const FileBytes bytes = read_file(file, kMaxLibraryBytes);
     const std::filesystem::path folder = folder_of(file);
 
     Material passed_over;  // of a name that is known already, and before the first name

@@ -237,6 +237,9 @@ void read_faces(const Element& element, bool strips, Values& values, const FileB
     const auto is_index_list = [](const Property& p) {
         return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
     };
+    for (const Property& property : element.properties)
+        if (is_index_list(property) && !is_whole(property.type))
+            throw bytes.error_at(element.where, "the indices of vertices are not whole numbers");
     const std::size_t vertex_count = scene.positions.size();
     // A face has one triangle in nearly all files; strips have one per index or so.
     if (!strips) scene.triangles.reserve(element.count);

@@ -40,7 +40,10 @@ Property read_property(TextCursor& words, const FileBytes& bytes) {
     TextCursor ahead = words;
     if (ahead.word() == "list") {
         words = ahead;
+        const char* where = words.at;
         property.count_type = read_type();
+        if (!is_whole(*property.count_type))
+            throw bytes.error_at(where, "the length of a list is not a whole number");
     }
     property.type = read_type();
     property.name = words.word();

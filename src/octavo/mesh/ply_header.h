@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "octavo/mesh/file_bytes.h"
+#include "octavo/core/file_bytes.h"
 
 namespace octavo::ply {
 
@@ -17,6 +17,10 @@ enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 [[nodiscard]] constexpr std::size_t size_of(Type type) {
     constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
     return kSizes[static_cast<int>(type)];
+}
+
+[[nodiscard]] constexpr bool is_whole(Type type) {
+    return type != Type::f32 && type != Type::f64;
 }
 
 struct Property {

@@ -7,14 +7,31 @@
 
 namespace octavo {
 
-void save_scene(const Scene& scene, const std::filesystem::path& file) {
+namespace {
+
+using Writer = void (*)(const Scene&, const std::filesystem::path&);
+
+/// None for another extension.
+Writer writer_of(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (extension == ".glb") return formats::write_glb(scene, file);
-    if (extension == ".obj") return formats::write_obj(scene, file);
-    if (extension == ".ply") return formats::write_ply(scene, file);
-    throw Error(Errc::unsupported, file, "scenes are written as .glb, .obj or .ply");
+    if (extension == ".glb") return formats::write_glb;
+    if (extension == ".obj") return formats::write_obj;
+    if (extension == ".ply") return formats::write_ply;
+    return nullptr;
+}
+
+}  // namespace
+
+bool can_save_scene(const std::filesystem::path& file) {
+    return writer_of(file) != nullptr;
+}
+
+void save_scene(const Scene& scene, const std::filesystem::path& file) {
+    const Writer write = writer_of(file);
+    if (!write) throw Error(Errc::bad_argument, file, "scenes are written as .glb, .obj or .ply");
+    write(scene, file);
 }
 
 bool formats::floats_are_exact(const Scene& scene) {

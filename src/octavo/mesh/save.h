@@ -21,8 +21,11 @@ namespace octavo {
 /// The file appears whole or not at all: it is written under another name first and then renamed.
 /// A file that exists is replaced.
 ///
-/// @throws Error  io where writing fails; limit where the format cannot hold the scene; unsupported
-///                for another extension
+/// @throws Error  io where writing fails; limit where the format cannot hold the scene;
+///                bad_argument for another extension
 void save_scene(const Scene& scene, const std::filesystem::path& file);
+
+/// Whether the file's extension is one of these.
+[[nodiscard]] bool can_save_scene(const std::filesystem::path& file);
 
 }  // namespace octavo

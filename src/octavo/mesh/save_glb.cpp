@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "octavo/mesh/file_bytes.h"
+#include "octavo/core/file_bytes.h"
 #include "octavo/mesh/output_file.h"
 #include "octavo/mesh/save_formats.h"
 
@@ -217,7 +217,7 @@ private:
             std::string_view bytes(reinterpret_cast<const char*>(texture.encoded.data()),
                                    texture.encoded.size());
             if (!texture.file.empty()) {
-                pictures_.push_back(read_file(texture.file));
+                pictures_.push_back(read_file(texture.file, kMaxPictureBytes));
                 bytes = pictures_.back().view();
             }
             picture_bytes_.push_back(bytes);

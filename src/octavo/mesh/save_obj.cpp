@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "octavo/core/file_bytes.h"
 #include "octavo/mesh/confined_path.h"
-#include "octavo/mesh/file_bytes.h"
 #include "octavo/mesh/output_file.h"
 #include "octavo/mesh/png.h"
 #include "octavo/mesh/save_formats.h"
@@ -65,7 +65,7 @@ public:
         if (!of.file.empty() && is_inside(folder_, of.file)) {
             name = std::filesystem::relative(of.file, folder_).generic_string();
         } else if (!of.file.empty()) {
-            const FileBytes bytes = read_file(of.file);
+            const FileBytes bytes = read_file(of.file, kMaxPictureBytes);
             name = write(index, std::as_bytes(std::span(bytes.view())));
         } else if (!of.encoded.empty()) {
             name = write(index, of.encoded);

@@ -36,14 +36,9 @@ private:
     std::size_t size_;
 };
 
-/// Reads a file. @throws Error io
-[[nodiscard]] FileBytes read_file(const std::filesystem::path& file);
-
-/// Whether these bytes begin as gzip does.
-[[nodiscard]] bool is_gzip(std::string_view bytes);
-
-/// The content of a gzipped file, all members of it; byte offsets then count inflated bytes.
-/// @throws Error bad_input; limit where it is longer than this
-[[nodiscard]] FileBytes inflate_file(const FileBytes& compressed, std::uint64_t max_bytes);
+/// Reads a file.
+/// @param max_bytes  of a longer file nothing is read
+/// @throws Error     as InputFile; io; limit
+[[nodiscard]] FileBytes read_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
 }  // namespace octavo

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/mesh/file_bytes.h"
+#include "octavo/mesh/gzip.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <new>
+#include <string>
 
 namespace octavo {
 namespace {
-
-struct Descriptor {
-    int value;
-    ~Descriptor() {
-        if (value >= 0) ::close(value);
-    }
-};
 
 struct Inflater {
     z_stream stream{};
@@ -32,27 +25,6 @@ struct Inflater {
 };
 
 }  // namespace
-
-FileBytes read_file(const std::filesystem::path& file) {
-    const Descriptor descriptor{::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    if (descriptor.value < 0) throw io_error(file, "open");
-    struct stat status {};
-    if (::fstat(descriptor.value, &status) != 0) throw io_error(file, "read");
-    // Pipes and devices have no size and may never end.
-    if (!S_ISREG(status.st_mode)) throw Error(Errc::io, file, "is not a regular file");
-
-    const auto size = static_cast<std::size_t>(status.st_size);
-    auto data = std::make_unique_for_overwrite<char[]>(size);
-    std::size_t done = 0;
-    while (done < size) {
-        const ssize_t count = ::read(descriptor.value, data.get() + done, size - done);
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) throw io_error(file, "read");
-        if (count == 0) break;  // it shrank meanwhile
-        done += static_cast<std::size_t>(count);
-    }
-    return {file, std::move(data), done};
-}
 
 bool is_gzip(std::string_view bytes) {
     return bytes.starts_with("\x1f\x8b");

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "octavo/core/input_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+// Without O_NONBLOCK, opening a named pipe would wait for a writer for ever.
+int open_to_read(const std::filesystem::path& path) {
+    if (path.empty()) throw Error(Errc::bad_argument, "the name of a file to read is empty");
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0) throw io_error(path, "read");
+    return descriptor;
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& path) : descriptor_(open_to_read(path)) {
+    struct stat status {};
+    const bool known = fstat(descriptor_, &status) == 0;
+    if (known && S_ISREG(status.st_mode)) {
+        size_ = static_cast<std::uint64_t>(status.st_size);
+        return;
+    }
+    const Error error = known
+                            ? Error(Errc::bad_input, path, "cannot read: it is not a regular file")
+                            : io_error(path, "read");
+    close(descriptor_);
+    throw error;
+}
+
+InputFile::~InputFile() {
+    close(descriptor_);
+}
+
+}  // namespace octavo
