@@ -113,6 +113,7 @@ Trial try_sample(const Scene& triangles, const BuildOptions& options, const Grid
             PassingScratch scratch(folder, plan);
             return construct(SampledTiles(*sorted.source, of), grid.depth,
                              {.max_store_bytes = part.spill.node_bytes,
+                              .reduce = {},
                               .progress = part.progress,
                               .journal_interval = std::chrono::hours(24 * 365)},
                              *scratch);
