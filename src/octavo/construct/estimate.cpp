@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "octavo/construct/build_plan.h"
 #include "octavo/construct/construct.h"
@@ -22,6 +23,10 @@ namespace {
 // with what is in it; of grids below 4096^3, which have few tiles, more.
 constexpr int kMostRarity = 3;
 constexpr int kWholeDepth = 9;  // up to here all
+
+// Under a cap the triangles of the sample may take an eighth of it.
+constexpr std::uint64_t kCapPerSample = 8;
+constexpr int kMostRarityUnderCap = 5;
 
 // Small tiles, so that there are many.
 constexpr int kTileDepth = 5, kMaxTileDepth = 7;
@@ -80,8 +85,22 @@ private:
     Scratch scratch_;
 };
 
-Trial try_sample(const Scene& triangles, const BuildOptions& options, const Grid& grid,
-                 int tile_depth, const TileSample& sample) {
+/// Those of the sample, which becomes smaller where they would take too much of a cap.
+Scene sampled_triangles(const Scene& scene, const BuildOptions& options, const Grid& grid,
+                        int tile_depth, TileSample& sample) {
+    const std::uint64_t most = options.max_memory_bytes / kCapPerSample;
+    std::vector<std::size_t> chosen = triangles_in_sample(scene, grid, tile_depth, sample);
+    while (most != 0 && sample.rarity < kMostRarityUnderCap &&
+           kBareTriangleBytes * chosen.size() > most) {
+        ++sample.rarity;
+        chosen = triangles_in_sample(scene, grid, tile_depth, sample);
+    }
+    return bare_scene(scene, chosen);
+}
+
+/// @param disposable  the triangles, if they may be given up once they are sorted; or null
+Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& options,
+                 const Grid& grid, int tile_depth, const TileSample& sample) {
     if (triangles.triangles.empty()) return {};
     BuildOptions part;
     part.grid = grid;
@@ -105,7 +124,7 @@ Trial try_sample(const Scene& triangles, const BuildOptions& options, const Grid
         const BuildPlan plan = plan_build(triangles, part);
         PassingScratch for_triangles(part.scratch, plan);
         const SortedTriangles sorted =
-            sort_triangles(triangles, nullptr, plan, part, *for_triangles);
+            sort_triangles(triangles, disposable, plan, part, *for_triangles);
         const auto is_sorted = std::chrono::steady_clock::now();
         const auto build_part = [&](const TileSample& of, const char* suffix) {
             std::filesystem::path folder = part.scratch;
@@ -179,13 +198,15 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     const Grid grid = options.grid ? *options.grid : smallest_cube(scene.bounds(), estimate.depth);
     const int tile_depth = std::min(
         estimate.depth, std::clamp(estimate.depth - kTilesDepth, kTileDepth, kMaxTileDepth));
-    const TileSample sample{std::clamp(estimate.depth - kWholeDepth, 0, kMostRarity)};
+    TileSample sample{std::clamp(estimate.depth - kWholeDepth, 0, kMostRarity)};
     Scene triangles;
     if (sample.rarity != 0)
-        with_threads(options.threads,
-                     [&] { triangles = triangles_of_sample(scene, grid, tile_depth, sample); });
-    const Trial trial =
-        try_sample(sample.rarity == 0 ? scene : triangles, options, grid, tile_depth, sample);
+        with_threads(options.threads, [&] {
+            triangles = sampled_triangles(scene, options, grid, tile_depth, sample);
+        });
+    const Trial trial = sample.rarity == 0
+                            ? try_sample(scene, nullptr, options, grid, tile_depth, sample)
+                            : try_sample(triangles, &triangles, options, grid, tile_depth, sample);
     triangles = {};
     double cells = 0.0;
     if (attributes != nullptr) {

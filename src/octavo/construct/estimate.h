@@ -25,8 +25,8 @@ struct Estimate {
 
 /// Estimates a build by building some of its tiles, at random places: one in 64, or more of a grid
 /// below 4096^3, up to all from 512^3 down. How the DAG grows with what is in it is taken from
-/// quarters of these, and carried on. Within a quarter for the built-in scenes. Holes are not looked
-/// at.
+/// quarters of these, and carried on. Within a quarter for the built-in scenes. Holes are not
+/// looked at.
 ///
 /// Cost: some hundredths of the build from 4096^3 on, and one pass over the triangles.
 ///

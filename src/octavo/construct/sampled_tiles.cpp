@@ -21,8 +21,8 @@ bool TileSample::has(const uvec3& tile) const {
     return hash >> (64 - 2 * rarity) == part;
 }
 
-Scene triangles_of_sample(const Scene& scene, const Grid& grid, int tile_depth,
-                          const TileSample& sample) {
+std::vector<std::size_t> triangles_in_sample(const Scene& scene, const Grid& grid, int tile_depth,
+                                             const TileSample& sample) {
     constexpr std::size_t kGrain = 1 << 14;
     constexpr std::uint32_t kWide = 64;  // tiles; to ask for each would take long
     constexpr double kMargin = 1e-3;     // of a tile, for what only touches it once it is rounded
@@ -55,14 +55,22 @@ Scene triangles_of_sample(const Scene& scene, const Grid& grid, int tile_depth,
                           for (std::size_t i = range.begin(); i < range.end(); ++i)
                               if (is_wanted(i)) of_thread.push_back(i);
                       });
-    Scene found;
+    std::vector<std::size_t> all;
     for (const std::vector<std::size_t>& of_thread : wanted)
-        for (const std::size_t i : of_thread) {
-            const auto first = static_cast<std::uint32_t>(found.positions.size());
-            for (const dvec3& corner : scene.corners(i)) found.positions.push_back(corner);
-            found.triangles.push_back({first, first + 1, first + 2});
-        }
-    return found;
+        all.insert(all.end(), of_thread.begin(), of_thread.end());
+    return all;
+}
+
+Scene bare_scene(const Scene& scene, const std::vector<std::size_t>& triangles) {
+    Scene bare;
+    bare.positions.reserve(3 * triangles.size());
+    bare.triangles.reserve(triangles.size());
+    for (const std::size_t i : triangles) {
+        const auto first = static_cast<std::uint32_t>(bare.positions.size());
+        for (const dvec3& corner : scene.corners(i)) bare.positions.push_back(corner);
+        bare.triangles.push_back({first, first + 1, first + 2});
+    }
+    return bare;
 }
 
 SampledTiles::SampledTiles(const VoxelSource& source, const TileSample& sample) : source_(source) {

@@ -24,10 +24,15 @@ struct TileSample {
     [[nodiscard]] TileSample quarter(std::uint64_t i) const { return {rarity + 1, 4 * part + i}; }
 };
 
-/// The triangles that may meet a tile of the sample: all whose bounds do, and those with wide
-/// bounds. Bare of colours and holes. Cost: one pass over the triangles, parallel.
-[[nodiscard]] Scene triangles_of_sample(const Scene& scene, const Grid& grid, int tile_depth,
-                                        const TileSample& sample);
+/// The numbers of the triangles that may meet a tile of the sample: of all whose bounds do, and of
+/// those with wide bounds. Cost: one pass over the triangles, parallel.
+[[nodiscard]] std::vector<std::size_t> triangles_in_sample(const Scene& scene, const Grid& grid,
+                                                           int tile_depth,
+                                                           const TileSample& sample);
+
+/// A scene of these triangles of another one, bare of colours and holes.
+[[nodiscard]] Scene bare_scene(const Scene& scene, const std::vector<std::size_t>& triangles);
+inline constexpr std::uint64_t kBareTriangleBytes = 3 * sizeof(dvec3) + sizeof(uvec3);
 
 /// Another source's tiles that are in the sample.
 class SampledTiles final : public VoxelSource {
