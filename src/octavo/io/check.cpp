@@ -15,6 +15,7 @@
 
 #include "octavo/core/grid.h"
 #include "octavo/dag/node.h"
+#include "octavo/io/node_starts.h"
 #include "octavo/io/sound.h"
 
 namespace octavo {
@@ -26,112 +27,6 @@ using Faults = std::vector<DagFault>;
 // A node of level l stands for at most 8^(depth - l) voxels, as its children do for an eighth of
 // that each: once pointers only lead one level down, no sum below can pass 2^64.
 static_assert(3 * kMaxDepth < 64);
-
-/// Words of one level, [begin, end).
-struct Level {
-    std::uint64_t begin = 0;
-    std::uint64_t end = 0;
-
-    [[nodiscard]] std::uint64_t size() const { return end - begin; }
-    [[nodiscard]] bool holds(std::uint64_t word) const { return word - begin < size(); }
-};
-
-/// Where the nodes of an interior level begin: one bit for each word, and how many begin before.
-class NodeStarts {
-public:
-    static constexpr std::uint64_t kWords = 64;  // of the level, in a block
-    struct Block {
-        std::uint64_t bits = 0;
-        std::uint64_t before = 0;
-    };
-
-    /// Walks through the level from node to node. Where one's size is not known, the rest is not.
-    void scan(Words words, const Level& level, std::size_t max_faults) {
-        begin_ = level.begin;
-        blocks_.resize((level.size() + kWords - 1) / kWords);
-        const std::uint32_t* const first = words.data() + level.begin;
-        const std::uint64_t size = level.size();
-        std::uint64_t at = 0;
-        for (std::uint64_t b = 0; b < blocks_.size(); ++b) {
-            blocks_[b].before = count_;
-            const std::uint64_t block_begin = b * kWords;
-            const std::uint64_t block_end = std::min(size, block_begin + kWords);
-            std::uint64_t bits = 0;
-            for (; at < block_end; ++count_) {
-                const std::uint32_t mask = first[at];
-                const auto node = static_cast<std::uint64_t>(node_words(mask));
-                if (mask - 1 >= kChildMaskBits || node > size - at) {
-                    if (!accept_oddity(at, mask, node, size, max_faults)) {
-                        blocks_[b].bits = bits;
-                        for (++b; b < blocks_.size(); ++b) blocks_[b].before = count_;
-                        known_ = at;
-                        return;
-                    }
-                }
-                bits |= std::uint64_t{1} << (at - block_begin);
-                at += node;
-            }
-            blocks_[b].bits = bits;
-        }
-        known_ = size;
-    }
-
-    /// Whether a node begins at this word of the level.
-    [[nodiscard]] bool contains(std::uint64_t word) const {
-        const std::uint64_t at = word - begin_;
-        return blocks_[at / kWords].bits >> at % kWords & 1u;
-    }
-    /// How many nodes of the level begin before this word.
-    [[nodiscard]] std::uint64_t rank(std::uint64_t word) const {
-        const std::uint64_t at = word - begin_;
-        const Block& block = blocks_[at / kWords];
-        const std::uint64_t below = (std::uint64_t{1} << at % kWords) - 1;
-        return block.before + static_cast<unsigned>(std::popcount(block.bits & below));
-    }
-    /// Whether the walk came past this word.
-    [[nodiscard]] bool known(std::uint64_t word) const { return word - begin_ < known_; }
-
-    [[nodiscard]] std::uint64_t begin() const { return begin_; }
-    [[nodiscard]] std::uint64_t count() const { return count_; }
-    [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
-    [[nodiscard]] Faults& faults() { return faults_; }
-
-    /// Calls visit(word, number) for each node that begins in these blocks.
-    template <typename Visit>
-    void for_each(std::uint64_t first_block, std::uint64_t last_block, const Visit& visit) const {
-        for (std::uint64_t b = first_block; b < last_block; ++b) {
-            std::uint64_t number = blocks_[b].before;
-            for (std::uint64_t bits = blocks_[b].bits; bits != 0; bits &= bits - 1)
-                visit(begin_ + b * kWords + static_cast<unsigned>(std::countr_zero(bits)),
-                      number++);
-        }
-    }
-
-private:
-    /// @return whether the walk can go on behind this node
-    bool accept_oddity(std::uint64_t at, std::uint32_t mask, std::uint64_t node, std::uint64_t size,
-                       std::size_t max_faults) {
-        const auto add = [&](std::string_view code, const char* reason) {
-            if (faults_.size() < max_faults) faults_.push_back({code, begin_ + at, reason});
-        };
-        if (mask & ~kChildMaskBits) add("node-spare-bits", "spare bits of a node are not zero");
-        if ((mask & kChildMaskBits) == 0) {
-            add("node-empty", "a node without children");
-            return false;
-        }
-        if (node > size - at) {
-            add("node-overrun", "a node reaches past the end of its level");
-            return false;
-        }
-        return true;
-    }
-
-    std::uint64_t begin_ = 0;
-    std::uint64_t known_ = 0;
-    std::uint64_t count_ = 0;
-    std::vector<Block> blocks_;
-    Faults faults_;
-};
 
 std::optional<DagFault> begins_fault(std::span<const std::uint64_t> begins, std::uint64_t words) {
     const auto fault = [](std::uint64_t word, std::string reason) {
@@ -193,7 +88,7 @@ public:
     }
 
 private:
-    [[nodiscard]] Level range(std::size_t level) const {
+    [[nodiscard]] LevelRange range(std::size_t level) const {
         return {begins_[level], begins_[level + 1]};
     }
     [[nodiscard]] bool full() const { return faults_.size() >= options_.max_faults; }
@@ -225,7 +120,7 @@ private:
     }
 
     void check_leaves() {
-        const Level leaves = range(leaf_level_);
+        const LevelRange leaves = range(leaf_level_);
         if (leaves.size() % kLeafWords != 0)
             add("leaf-odd", leaves.begin, "the leaf level has an odd number of words");
         const std::uint64_t count = leaves.size() / kLeafWords;
@@ -272,7 +167,7 @@ private:
     template <typename Sum, typename Below>
     void check_pointers(std::size_t level, std::vector<Sum>& sums,
                         const std::vector<Below>& below) {
-        const Level next = range(level + 1);
+        const LevelRange next = range(level + 1);
         if (level + 1 == leaf_level_) {
             follow(
                 level, next, sums, [&](std::uint64_t at) { prefetch(below, at / kLeafWords); },
@@ -303,11 +198,10 @@ private:
     }
 
     /// @param soon   (at): this word of the next level will be entered
-    /// @param enter  (at, sum): whether a node begins at this word of the next level; adds what is
-    /// in
-    ///               it to the sum
+    /// @param enter  (at, sum): whether a node begins at this word of the next level; if so, adds
+    ///               what is in it to the sum
     template <typename Sum, typename Soon, typename Enter>
-    void follow(std::size_t level, const Level& next, std::vector<Sum>& sums, const Soon& soon,
+    void follow(std::size_t level, const LevelRange& next, std::vector<Sum>& sums, const Soon& soon,
                 const Enter& enter) {
         constexpr std::uint64_t kAhead = 24;  // words; 12 to 48 are as good
         const NodeStarts& starts = starts_[level];
@@ -366,7 +260,7 @@ private:
             starts_[level].for_each(0, starts_[level].blocks().size(), visit);
             return;
         }
-        const Level leaves = range(level);
+        const LevelRange leaves = range(level);
         for (std::uint64_t i = 0; i < leaves.size() / kLeafWords; ++i)
             visit(leaves.begin + i * kLeafWords, i);
     }

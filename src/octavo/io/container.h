@@ -72,6 +72,10 @@ static_assert(sizeof(Section) == 48);
 /// Header and table fit in the first page, so that both are read at once and bounded.
 inline constexpr std::uint32_t kMaxSections = (kPageBytes - sizeof(FileHeader)) / sizeof(Section);
 
+/// What the metadata may take: room for some ten thousand cameras and lights. It bounds the memory
+/// that reading takes.
+inline constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{16} << 20;
+
 /// The id as a person reads it: META, or hexadecimal digits where it is not four printable letters.
 [[nodiscard]] std::string section_name(std::uint32_t id);
 

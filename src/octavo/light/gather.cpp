@@ -9,7 +9,6 @@
 namespace octavo {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kPerPi = std::numbers::inv_pi_v<float>;
 
 // One sequence of random numbers for each purpose.
