@@ -45,7 +45,10 @@ Scene read(const fs::path& file, const LoadLimits& limits) {
         return read_in_child(
             file, [&file] { return formats::read_with_assimp(file); }, limits.max_bytes,
             limits.max_seconds);
-    throw Error(Errc::unsupported, file, "no reader knows this kind of file");
+    throw Error(
+        Errc::unsupported, file,
+        "no reader knows this kind of file: take glTF, GLB, OBJ, PLY, STL, or another format "
+        "of triangles that assimp reads");
 }
 
 /// What every reader promises; a mistake in one must not become a crash in a later room.
