@@ -8,21 +8,12 @@
 #include "commands.h"
 #include "exit_code.h"
 #include "help.h"
+#include "octavo/core/error.h"
 #include "octavo/core/version.h"
 #include "output.h"
 
 namespace octavo::cli {
 namespace {
-
-/// On one line, whatever a file name holds.
-std::string one_line(const std::string& text) {
-    std::string line;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
-    }
-    return line;
-}
 
 int fail(int code, const std::string& message) {
     fmt::print(stderr, "octavo: {}\n", one_line(message));

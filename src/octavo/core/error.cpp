@@ -11,10 +11,26 @@ std::string located(const std::filesystem::path& file, std::optional<std::uint64
                     const std::string& message) {
     std::string text = file.string();
     if (offset) text += " at byte " + std::to_string(*offset);
-    return text + ": " + message;
+    return one_line(text + ": " + message);
 }
 
 }  // namespace
+
+std::string one_line(std::string_view text) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    std::string line;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte != 0x7f) {
+            line += c;
+        } else {
+            line += "\\x";
+            line += kDigits[byte >> 4];
+            line += kDigits[byte & 15u];
+        }
+    }
+    return line;
+}
 
 Error::Error(Errc code, const std::filesystem::path& file, const std::string& message,
              std::optional<std::uint64_t> offset)

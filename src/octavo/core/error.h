@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace octavo {
 
@@ -19,11 +20,15 @@ enum class Errc {
     unsupported,   // a valid file or option that this build or version does not handle
 };
 
+/// Text on one line, whatever names from files hold: control characters as \xHH.
+[[nodiscard]] std::string one_line(std::string_view text);
+
 /// The one exception type of the library. `what()` is one line for a person: what is wrong, where,
 /// and where it helps, what to do about it.
 class Error : public std::runtime_error {
 public:
-    Error(Errc code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    Error(Errc code, std::string_view message)
+        : std::runtime_error(one_line(message)), code_(code) {}
 
     /// An error in a file: "PATH: message", or "PATH at byte OFFSET: message".
     Error(Errc code, const std::filesystem::path& file, const std::string& message,
