@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <cmath>
 
 #include "mesh/mesh_files.h"
 #include "octavo/construct/build.h"
+#include "octavo/core/memory.h"
 #include "octavo/dag/statistics.h"
 #include "octavo/mesh/decode_textures.h"
 #include "octavo/mesh/save.h"
@@ -163,6 +165,44 @@ TEST(Obj, FindsMaterialsInALibraryThatIsNamedAfterTheirUse) {
         "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nmtllib none.mtl a.mtl\n"));
     EXPECT_EQ(scene.materials[scene.triangle_materials[0]].base_color, vec4(1, 0, 0, 1));
     EXPECT_TRUE(mentions(scene, "none.mtl"));
+}
+
+TEST(Obj, ReadsLinesOfAnyLengthGzippedOrNot) {
+    // More than one buffer of the reader: many lines, and one face of 100 000 corners.
+    std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    for (int i = 0; i < 60000; ++i) text += "f 1 2 " + std::to_string(3 + i % 2) + "\r\n";
+    text += "f";
+    for (int i = 0; i < 100000; ++i) text += i % 1000 == 7 ? " \\\n 1" : " 1";
+    text += "\nf 4 3 2";
+    const test::TemporaryFolder folder;
+    const auto zipped = folder.path() / "a.obj.gz";
+    gzFile gz = gzopen(zipped.c_str(), "wb1");
+    gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
+    gzclose(gz);
+    for (const auto& file : {folder.write("a.obj", text), zipped}) {
+        const Scene scene = load_scene(file);
+        ASSERT_EQ(scene.triangles.size(), 60000u + 99998u + 1u);
+        EXPECT_EQ(scene.triangles[59999], uvec3(0, 1, 3));
+        EXPECT_EQ(scene.triangles.back(), uvec3(3, 2, 1));
+        EXPECT_TRUE(scene.triangle_materials.empty());
+    }
+    EXPECT_EQ(test::load_error(folder.write("b.obj", text + "\nf 9 1 2")).offset(),
+              text.size() + 3);
+}
+
+TEST(Obj, IsNeverInMemoryWhole) {
+    constexpr std::size_t kSize = std::size_t{64} << 20;
+    std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+    const std::string comment = "# " + std::string(1000, '-') + "\n";
+    while (text.size() < kSize) text += comment;
+    const test::TemporaryFolder folder;
+    const auto file = folder.write("a.obj", text + "f 1 2 3\n");
+    text = {};
+    trim_memory();
+    if (!restart_peak_resident()) GTEST_SKIP() << "the system does not let the peak start anew";
+    const std::uint64_t before = resident_bytes();
+    EXPECT_EQ(load_scene(file).triangles.size(), 1u);
+    EXPECT_LT(peak_resident_bytes(), before + kSize / 4);
 }
 
 }  // namespace

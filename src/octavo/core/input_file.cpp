@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+
 #include "octavo/core/error.h"
 
 namespace octavo {
@@ -20,7 +22,8 @@ int open_to_read(const std::filesystem::path& path) {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path) : descriptor_(open_to_read(path)) {
+InputFile::InputFile(const std::filesystem::path& path)
+    : path_(path), descriptor_(open_to_read(path)) {
     struct stat status {};
     const bool known = fstat(descriptor_, &status) == 0;
     if (known && S_ISREG(status.st_mode)) {
@@ -36,6 +39,18 @@ InputFile::InputFile(const std::filesystem::path& path) : descriptor_(open_to_re
 
 InputFile::~InputFile() {
     close(descriptor_);
+}
+
+std::size_t InputFile::read(char* out, std::size_t size) {
+    std::size_t done = 0;
+    while (done < size) {
+        const ssize_t count = ::read(descriptor_, out + done, size - done);
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) throw io_error(path_, "read");
+        if (count == 0) break;
+        done += static_cast<std::size_t>(count);
+    }
+    return done;
 }
 
 }  // namespace octavo

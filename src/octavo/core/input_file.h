@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 
@@ -18,11 +19,16 @@ public:
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
 
+    /// The next bytes; fewer than asked for only at the end. @throws Error io
+    [[nodiscard]] std::size_t read(char* out, std::size_t size);
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] int descriptor() const { return descriptor_; }
     /// In bytes, when it was opened.
     [[nodiscard]] std::uint64_t size() const { return size_; }
 
 private:
+    std::filesystem::path path_;
     int descriptor_;
     std::uint64_t size_ = 0;
 };

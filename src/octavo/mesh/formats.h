@@ -4,15 +4,16 @@
 #include <filesystem>
 
 #include "octavo/core/file_bytes.h"
+#include "octavo/mesh/line_reader.h"
 #include "octavo/mesh/scene.h"
 
-/// One reader per format; `load_scene` chooses. Each fills a scene from bytes that are in memory,
-/// and may find that it has no triangles.
+/// One reader per format; `load_scene` chooses. Each fills a scene, and may find that it has no
+/// triangles.
 namespace octavo::formats {
 
 /// .gltf and .glb. @param max_bytes  of vertices and triangles @throws Error limit beyond
 [[nodiscard]] Scene read_gltf(const FileBytes& bytes, std::uint64_t max_bytes);
-[[nodiscard]] Scene read_obj(const FileBytes& bytes);
+[[nodiscard]] Scene read_obj(LineReader& lines);
 [[nodiscard]] Scene read_ply(const FileBytes& bytes);
 [[nodiscard]] Scene read_stl(const FileBytes& bytes);
 

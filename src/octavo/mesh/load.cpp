@@ -9,7 +9,7 @@
 #include "octavo/core/memory.h"
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
-#include "octavo/mesh/gzip.h"
+#include "octavo/mesh/inflated_file.h"
 
 namespace octavo {
 namespace fs = std::filesystem;
@@ -28,18 +28,24 @@ std::string format_extension(const fs::path& file) {
     return extension == ".gz" ? lowercase(file.stem().extension().string()) : extension;
 }
 
+// Two formats say what they are, whatever the file is called.
+bool is_glb(std::string_view bytes) {
+    return bytes.starts_with("glTF");
+}
+bool is_ply(std::string_view bytes) {
+    return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
+}
+
 Scene read(const fs::path& file, const LoadLimits& limits) {
     const std::string extension = format_extension(file);
-    FileBytes bytes = read_file(file, limits.max_bytes);
-    if (is_gzip(bytes.view())) bytes = inflate_file(bytes, limits.max_bytes);
-
-    // Two formats say what they are, whatever the file is called.
-    const std::string_view view = bytes.view();
-    if (view.starts_with("glTF") || extension == ".gltf" || extension == ".glb")
+    if (extension == ".obj") {
+        LineReader lines(file, limits.max_bytes);
+        if (!is_glb(lines.start()) && !is_ply(lines.start())) return formats::read_obj(lines);
+    }
+    const FileBytes bytes = read_inflated(file, limits.max_bytes);
+    if (is_glb(bytes.view()) || extension == ".gltf" || extension == ".glb")
         return formats::read_gltf(bytes, limits.max_bytes);
-    if (view.starts_with("ply\n") || view.starts_with("ply\r") || extension == ".ply")
-        return formats::read_ply(bytes);
-    if (extension == ".obj") return formats::read_obj(bytes);
+    if (is_ply(bytes.view()) || extension == ".ply") return formats::read_ply(bytes);
     if (extension == ".stl") return formats::read_stl(bytes);
     if (formats::assimp_knows(file))
         return read_in_child(

@@ -23,20 +23,20 @@ void skip_between_numbers(TextCursor& text) {
     while (!text.done() && (TextCursor::is_space(*text.at) || *text.at == '\\')) ++text.at;
 }
 
+bool goes_on(std::string_view line) {
+    while (!line.empty() && TextCursor::is_space(line.back())) line.remove_suffix(1);
+    return line.ends_with('\\');
+}
+
 class ObjReader {
 public:
-    explicit ObjReader(const FileBytes& bytes) : bytes_(bytes) {}
+    explicit ObjReader(LineReader& lines) : lines_(lines) {}
 
     Scene read() {
-        TextCursor text(bytes_.view());
-        while (!text.done()) {
-            const char* first = text.at;
-            std::string_view line = text.line();
-            while (line.ends_with('\\') && !text.done()) {
-                text.line();
-                line = {first, static_cast<std::size_t>(text.at - first)};
-                while (!line.empty() && TextCursor::is_space(line.back())) line.remove_suffix(1);
-            }
+        std::string_view line;
+        while (lines_.next(line)) {
+            while (goes_on(line))
+                if (!lines_.extend(line)) break;
             read_line(line);
         }
         resolve_materials();
@@ -74,14 +74,14 @@ private:
 
     void read_vertex(TextCursor& text) {
         if (scene_.positions.size() == kNone)
-            throw Error(Errc::limit, bytes_.file(), "has more than 2^32 vertices");
+            throw Error(Errc::limit, lines_.file(), "has more than 2^32 vertices");
         double value[8];
         int count = 0;
         for (; count < 8; ++count) {
             skip_between_numbers(text);
             if (!text.number(value[count])) break;
         }
-        if (count < 3) throw bytes_.error_at(text.at, "a vertex needs three coordinates");
+        if (count < 3) throw lines_.error_at(text.at, "a vertex needs three coordinates");
         scene_.positions.emplace_back(value[0], value[1], value[2]);
 
         // x y z red green blue [alpha]; a lone fourth number is a weight, which polygons ignore.
@@ -121,10 +121,10 @@ private:
         if (text.done() || *text.at == '#') return false;
         const char* where = text.at;
         long long vertex = 0;
-        if (!text.number(vertex)) throw bytes_.error_at(where, "a vertex index was expected here");
+        if (!text.number(vertex)) throw lines_.error_at(where, "a vertex index was expected here");
         corner = {resolve(vertex, scene_.positions.size()), kNone};
         if (corner.vertex == kNone)
-            throw bytes_.error_at(where, "vertex " + std::to_string(vertex) + " of " +
+            throw lines_.error_at(where, "vertex " + std::to_string(vertex) + " of " +
                                              std::to_string(scene_.positions.size()) +
                                              " does not exist");
         if (text.done() || *text.at != '/') return true;
@@ -156,25 +156,34 @@ private:
             std::iota(local_indices_.begin(), local_indices_.end(), 0u);
             triangulate(local_positions_, local_indices_, local_triangles_);
         }
-        for (const uvec3& t : local_triangles_) {
-            const Corner &a = corners_[t.x], &b = corners_[t.y], &c = corners_[t.z];
-            scene_.triangles.emplace_back(a.vertex, b.vertex, c.vertex);
+        for (const uvec3& t : local_triangles_)
+            add_triangle(corners_[t.x], corners_[t.y], corners_[t.z]);
+    }
+
+    /// Scans have neither texture coordinates nor materials: their lists begin with the first one.
+    void add_triangle(const Corner& a, const Corner& b, const Corner& c) {
+        const std::size_t before = scene_.triangles.size();
+        scene_.triangles.emplace_back(a.vertex, b.vertex, c.vertex);
+        if ((a.texture & b.texture & c.texture) != kNone) {
+            triangle_textures_.resize(before, uvec3(kNone));
             triangle_textures_.emplace_back(a.texture, b.texture, c.texture);
-            scene_.triangle_materials.push_back(material_);
         }
+        if (!used_names_.empty()) scene_.triangle_materials.push_back(material_);
     }
 
     /// Until the end, triangle_materials are indices of names: a library may follow their use.
     void use_material(std::string_view name) {
+        if (used_names_.empty())
+            scene_.triangle_materials.assign(scene_.triangles.size(), Scene::kNoMaterial);
         const auto next = static_cast<std::uint32_t>(used_names_.size());
         material_ = used_names_.emplace(name, next).first->second;
     }
 
     void read_library(std::string_view names) {
-        const std::filesystem::path folder = folder_of(bytes_.file());
+        const std::filesystem::path folder = folder_of(lines_.file());
         const auto file_of = [&](std::string_view name) {
             if (auto file = confined_path(folder, name)) return *file;
-            throw bytes_.error_at(names.data(), "the material library '" + std::string(name) +
+            throw lines_.error_at(names.data(), "the material library '" + std::string(name) +
                                                     "' is outside the scene's folder");
         };
         const auto read_if_there = [&](std::string_view name) {
@@ -194,10 +203,7 @@ private:
     }
 
     void resolve_materials() {
-        if (used_names_.empty()) {
-            scene_.triangle_materials = {};
-            return;
-        }
+        if (used_names_.empty()) return;
         // A name alone still tells surfaces apart.
         std::size_t undefined = 0;
         std::vector<std::uint32_t> index_of(used_names_.size());
@@ -224,6 +230,7 @@ private:
             std::uint32_t texture = kNone;
             std::uint32_t next = kNone;  // another vertex at the same position
         };
+        triangle_textures_.resize(scene_.triangles.size(), uvec3(kNone));
         std::vector<Use> uses(scene_.positions.size());
         std::vector<bool> used(scene_.positions.size());
         const auto vertex_for = [&](std::uint32_t vertex, std::uint32_t texture) {
@@ -238,7 +245,7 @@ private:
                 vertex = uses[vertex].next;
             }
             const auto added = static_cast<std::uint32_t>(scene_.positions.size());
-            if (added == kNone) throw Error(Errc::limit, bytes_.file(), "has too many vertices");
+            if (added == kNone) throw Error(Errc::limit, lines_.file(), "has too many vertices");
             scene_.positions.push_back(dvec3(scene_.positions[vertex]));
             if (!scene_.colors.empty()) scene_.colors.push_back(Rgba8(scene_.colors[vertex]));
             uses[vertex].next = added;
@@ -257,7 +264,7 @@ private:
                 use.texture == kNone ? vec2(0.0f) : texture_coordinates_[use.texture]);
     }
 
-    const FileBytes& bytes_;
+    LineReader& lines_;
     Scene scene_;
     std::vector<vec2> texture_coordinates_;
     std::vector<uvec3> triangle_textures_;
@@ -275,8 +282,8 @@ private:
 
 }  // namespace
 
-Scene formats::read_obj(const FileBytes& bytes) {
-    return ObjReader(bytes).read();
+Scene formats::read_obj(LineReader& lines) {
+    return ObjReader(lines).read();
 }
 
 }  // namespace octavo
