@@ -123,13 +123,15 @@ SortedTriangles sort_triangles(const Scene& scene, Scene* disposable, const Buil
         sorted.source = std::move(source);
         if (disposable != nullptr) (void)drop_geometry(*disposable);
     } else {
-        auto source =
-            std::make_unique<TriangleSource>(scene, plan.grid, options.rule, plan.tile_depth);
-        sorted.degenerate = source->mesh().degenerate_triangles();
-        sorted.non_finite = source->mesh().non_finite_triangles();
-        // Holes are found in the scene.
-        if (disposable != nullptr && source->cut_outs().empty())
-            source->keep_triangles(drop_geometry(*disposable));
+        FixedMesh mesh(scene, plan.grid);
+        CutOuts cut_outs(scene, plan.grid);
+        // Holes are found in the scene. Without them it goes before the triangles are sorted.
+        if (disposable != nullptr && cut_outs.empty())
+            mesh.keep_triangles(drop_geometry(*disposable));
+        sorted.degenerate = mesh.degenerate_triangles();
+        sorted.non_finite = mesh.non_finite_triangles();
+        auto source = std::make_unique<TriangleSource>(
+            std::move(mesh), std::move(cut_outs), plan.grid.depth, options.rule, plan.tile_depth);
         sorted.source = std::move(source);
     }
     return sorted;

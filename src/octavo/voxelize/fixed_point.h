@@ -50,8 +50,9 @@ public:
     FixedMesh(const Frame& frame, std::vector<std::array<FixedPoint, 3>> triangles)
         : frame_(frame), clipped_(std::move(triangles)) {}
 
-    FixedMesh(const FixedMesh&) = delete;
-    FixedMesh& operator=(const FixedMesh&) = delete;
+    // The spans stay valid: the storage of a vector moves along.
+    FixedMesh(FixedMesh&&) = default;
+    FixedMesh& operator=(FixedMesh&&) = default;
 
     /// Takes the scene's own list of triangles, so that the scene need not outlive this.
     void keep_triangles(std::vector<uvec3> triangles) {

@@ -29,15 +29,16 @@ int checked_tile_depth(int tile_depth, int grid_depth) {
     return tile_depth;
 }
 
-TriangleSource::TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
-    : mesh_(scene, grid),
-      cut_outs_(scene, grid),
+TriangleSource::TriangleSource(FixedMesh mesh, CutOuts cut_outs, int grid_depth, VoxelRule rule,
+                               int tile_depth)
+    : mesh_(std::move(mesh)),
+      cut_outs_(std::move(cut_outs)),
       rule_(rule),
-      tile_depth_(checked_tile_depth(tile_depth, grid.depth)),
+      tile_depth_(checked_tile_depth(tile_depth, grid_depth)),
       bitmaps_([tile_depth] { return TileBitmap(tile_depth); }) {
     if (mesh_.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(Errc::limit, "a scene can have at most 2^32 - 1 triangles");
-    sort_into_tiles(grid.depth);
+    sort_into_tiles(grid_depth);
 }
 
 void TriangleSource::sort_into_tiles(int grid_depth) {

@@ -27,22 +27,23 @@ namespace octavo {
 /// it meets, and a bit for each voxel of a tile for each thread.
 class TriangleSource final : public VoxelSource {
 public:
-    /// @param scene       outlives this; see keep_triangles()
+    /// @param scene       outlives this
     /// @param tile_depth  log2 of a tile's side: 2 to grid.depth, at least grid.depth - 10, at most
     /// 10
     /// @throws Error      bad_argument where tile_depth is out of range; limit where the scene has
     ///                    2^32 triangles or more
-    TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth);
+    TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
+        : TriangleSource(FixedMesh(scene, grid), CutOuts(scene, grid), grid.depth, rule,
+                         tile_depth) {}
+
+    /// For a scene that has been rounded to a grid of this depth: it need not outlive this where it
+    /// has no holes and FixedMesh::keep_triangles() took its triangles.
+    TriangleSource(FixedMesh mesh, CutOuts cut_outs, int grid_depth, VoxelRule rule,
+                   int tile_depth);
 
     [[nodiscard]] int tile_depth() const override { return tile_depth_; }
     [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override { return tiles_; }
     void voxelize(std::size_t index, TileOctree& octree) const override;
-
-    /// Takes the scene's own list of triangles, so that a scene without holes need not outlive
-    /// this.
-    void keep_triangles(std::vector<uvec3> triangles) {
-        mesh_.keep_triangles(std::move(triangles));
-    }
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
     [[nodiscard]] const CutOuts& cut_outs() const { return cut_outs_; }
