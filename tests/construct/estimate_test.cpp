@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <filesystem>
 #include <string>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/samples.h"
 #include "support/random_scene.h"
+#include "support/temporary_folder.h"
 
 namespace octavo {
 namespace {
@@ -57,6 +60,27 @@ TEST(RequireMemory, RefusalNamesTheCapAndTheResolutionThatWouldDo) {
         EXPECT_NE(std::string(e.what()).find("--max-memory 900M"), std::string::npos) << e.what();
         EXPECT_NE(std::string(e.what()).find("resolution of 32768"), std::string::npos) << e.what();
     }
+}
+
+TEST(EstimateDeathTest, WhatAKilledForecastLeavesGoesWithTheNextBuildWithoutACapToo) {
+    const test::TemporaryFolder folder;
+    const Scene scene = test::random_scene(3, 50);
+    BuildOptions options;
+    options.depth = 11;
+    options.threads = 1;
+    options.scratch = folder / "s";
+    options.max_memory_bytes = 400'000;  // the forecast spills
+    options.progress = [&](const Progress&) {
+        if (std::filesystem::exists(folder / "s" / "estimate-whole")) (void)raise(SIGKILL);
+        return true;
+    };
+    EXPECT_EXIT((void)estimate_build(scene, options), testing::KilledBySignal(SIGKILL), "");
+    ASSERT_TRUE(std::filesystem::exists(folder / "s" / "estimate-whole"));
+
+    options.progress = {};
+    options.max_memory_bytes = 0;
+    (void)build(scene, options);
+    EXPECT_EQ(folder.entries(), 0u);
 }
 
 }  // namespace

@@ -66,14 +66,27 @@ struct Trial {
     Statistics statistics;
 };
 
-/// A scratch folder, or none, that is gone afterwards, come what may.
+/// A scratch folder in that of the build, or none, that is gone afterwards, come what may. What a
+/// forecast that is killed leaves there goes with the build's own, whichever build ends next.
 class PassingScratch {
 public:
-    PassingScratch(std::filesystem::path folder, const BuildPlan& plan)
-        : folder_(std::move(folder)), scratch_(folder_, plan.key, plan.tile_depth - 2) {}
+    /// @param of_build  its scratch folder, or none
+    PassingScratch(std::filesystem::path of_build, const char* what, const BuildPlan& plan)
+        : of_build_(std::move(of_build)),
+          folder_(of_build_.empty() ? of_build_
+                                    : of_build_ / (kEstimatePrefix + std::string(what))),
+          scratch_(folder_, plan.key, plan.tile_depth - 2) {
+        if (of_build_.empty()) return;
+        std::error_code error;
+        std::filesystem::create_directory(of_build_, error);
+        if (error) throw Error(Errc::io, of_build_, "cannot make this folder: " + error.message());
+    }
     ~PassingScratch() {
         scratch_.remove();
-        if (!folder_.empty()) delete_scratch(folder_);  // as an earlier one, killed, left it
+        if (of_build_.empty()) return;
+        delete_scratch(folder_);  // as an earlier one, killed, left it
+        std::error_code ignored;
+        std::filesystem::remove(of_build_, ignored);  // unless there is something else in it
     }
     PassingScratch(const PassingScratch&) = delete;
     PassingScratch& operator=(const PassingScratch&) = delete;
@@ -81,7 +94,7 @@ public:
     [[nodiscard]] Scratch& operator*() { return scratch_; }
 
 private:
-    std::filesystem::path folder_;
+    std::filesystem::path of_build_, folder_;
     Scratch scratch_;
 };
 
@@ -110,7 +123,6 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
     // Not the cap itself: one that cannot be kept is to be found here and not to stop us.
     if (options.max_memory_bytes != 0 && !options.scratch.empty()) {
         part.scratch = options.scratch;
-        part.scratch += "-estimate";
         part.spill = {options.max_memory_bytes / 4 + 1, options.max_memory_bytes / 8 + 1};
     }
     part.progress = [&](const Progress&) {
@@ -122,14 +134,12 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
     with_threads(options.threads, [&] {
         const auto start = std::chrono::steady_clock::now();
         const BuildPlan plan = plan_build(triangles, part);
-        PassingScratch for_triangles(part.scratch, plan);
+        PassingScratch for_triangles(part.scratch, "triangles", plan);
         const SortedTriangles sorted =
             sort_triangles(triangles, disposable, plan, part, *for_triangles);
         const auto is_sorted = std::chrono::steady_clock::now();
-        const auto build_part = [&](const TileSample& of, const char* suffix) {
-            std::filesystem::path folder = part.scratch;
-            if (!folder.empty()) folder += suffix;
-            PassingScratch scratch(folder, plan);
+        const auto build_part = [&](const TileSample& of, const char* what) {
+            PassingScratch scratch(part.scratch, what, plan);
             return construct(SampledTiles(*sorted.source, of), grid.depth,
                              {.max_store_bytes = part.spill.node_bytes,
                               .reduce = {},
@@ -141,7 +151,7 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
             return static_cast<double>(built.dag.size_bytes());
         };
         {
-            const Constructed whole = build_part(sample, "-whole");
+            const Constructed whole = build_part(sample, "whole");
             trial.dag_bytes = std::max(1.0, bytes(whole));
             trial.statistics = whole.statistics;
         }
@@ -149,9 +159,9 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
         trial.sort_seconds = std::chrono::duration<double>(is_sorted - start).count();
         trial.tile_seconds = std::chrono::duration<double>(end - is_sorted).count();
         double of_quarters = 0.0;
-        const char* const suffixes[4] = {"-0", "-1", "-2", "-3"};
+        const char* const quarters[4] = {"0", "1", "2", "3"};
         for (std::uint64_t i = 0; i < 4; ++i)
-            of_quarters += bytes(build_part(sample.quarter(i), suffixes[i]));
+            of_quarters += bytes(build_part(sample.quarter(i), quarters[i]));
         trial.quarter_bytes = std::max(1.0, of_quarters / 4.0);
     });
     return trial;

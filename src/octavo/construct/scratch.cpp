@@ -21,11 +21,20 @@ constexpr const char* kLockName = "lock";
 
 /// Everything that a build puts into its scratch folder; whatever else is there is left alone.
 bool is_ours(const std::string& name) {
-    constexpr std::array<std::string_view, 9> kPrefixes = {kPartPrefix,  "ids-",    "piece-",
-                                                           "ranks-",     "order-",  "words-",
-                                                           "triangles-", "merged-", "received-"};
+    constexpr std::array<std::string_view, 10> kPrefixes = {
+        kEstimatePrefix, kPartPrefix, "ids-",       "piece-",  "ranks-",
+        "order-",        "words-",    "triangles-", "merged-", "received-"};
     if (name == kLockName) return true;
     return std::ranges::any_of(kPrefixes, [&](auto prefix) { return name.starts_with(prefix); });
+}
+
+/// A file or, with what is in it, a folder of a forecast.
+void remove_ours(const std::filesystem::path& path) noexcept {
+    std::error_code ignored;  // what stays is overwritten by the next build
+    if (std::filesystem::is_directory(path, ignored))
+        delete_scratch(path);
+    else
+        std::filesystem::remove(path, ignored);
 }
 
 }  // namespace
@@ -72,7 +81,7 @@ std::vector<std::unique_ptr<PartFile>> Scratch::take_parts() {
     if (!available() || !std::filesystem::is_directory(folder_, ignored)) return {};
     open();
     FoundParts found = find_parts(folder_, key_, top_);
-    for (const std::filesystem::path& other : found.others) std::filesystem::remove(other, ignored);
+    for (const std::filesystem::path& other : found.others) remove_ours(other);
     return std::move(found.parts);
 }
 
@@ -119,11 +128,11 @@ void Scratch::remove() noexcept {
 }
 
 void delete_scratch(const std::filesystem::path& folder) noexcept {
-    std::error_code ignored;  // what stays is overwritten by the next build
+    std::error_code ignored;
     std::vector<std::filesystem::path> ours;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
         if (is_ours(entry.path().filename().string())) ours.push_back(entry.path());
-    for (const std::filesystem::path& path : ours) std::filesystem::remove(path, ignored);
+    for (const std::filesystem::path& path : ours) remove_ours(path);
     std::filesystem::remove(folder, ignored);  // unless there is something else in it
 }
 

@@ -70,6 +70,9 @@ struct FoundParts {
 [[nodiscard]] std::filesystem::path part_path(const std::filesystem::path& folder,
                                               std::uint64_t first_tile);
 
+/// Begins the names of the folders in a scratch folder that a forecast has for itself.
+inline constexpr const char* kEstimatePrefix = "estimate-";
+
 /// Deletes a scratch folder that nobody uses, as far as a build made what is in it.
 void delete_scratch(const std::filesystem::path& folder) noexcept;
 
