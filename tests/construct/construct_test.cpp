@@ -10,8 +10,10 @@
 #include "octavo/construct/node_store.h"
 #include "octavo/core/morton.h"
 #include "octavo/dag/statistics.h"
+#include "octavo/mesh/samples.h"
 #include "octavo/voxelize/triangle_source.h"
 #include "support/random_scene.h"
+#include "support/temporary_folder.h"
 
 namespace octavo {
 namespace {
@@ -183,6 +185,51 @@ TEST(LevelBegins, MoreThan2To32WordsAreRefusedAndNotWrapped) {
     } catch (const Error& e) {
         EXPECT_EQ(e.code(), Errc::limit);
         EXPECT_NE(std::string(e.what()).find("4294967305 words"), std::string::npos) << e.what();
+    }
+}
+
+/// What construct() ends in when there are fewer words than the DAG takes; "" where it ends well.
+std::string refusal(const Scene& scene, const WordLimits& words, std::uint64_t max_store_bytes,
+                    std::uint64_t max_memory_bytes) {
+    constexpr int kDepth = 10, kTileDepth = 6;
+    const Grid grid = smallest_cube(scene.bounds(), kDepth);
+    const TriangleSource source(scene, grid, VoxelRule::conservative, kTileDepth);
+    const test::TemporaryFolder folder;
+    Scratch scratch(folder / "s", 1, kTileDepth - 2);
+    ConstructOptions options;
+    options.max_store_bytes = max_store_bytes;
+    options.max_memory_bytes = max_memory_bytes;
+    options.words = words;
+    try {
+        const Constructed built = construct(source, kDepth, options, scratch);
+        scratch.remove();
+        return "";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), Errc::limit);
+        return error.what();
+    }
+}
+
+TEST(WordLimits, ALevelOrADagWithMoreWordsThanCanBeNamedIsRefusedHoweverItIsBuilt) {
+    const Scene scene = make_sample("hairball", 0.05);
+    const BuildResult built = build(scene, at_depth(10));
+    std::uint64_t largest = 0;
+    for (const auto& level : built.statistics.levels) largest = std::max(largest, level.bytes / 4);
+    const std::uint64_t all = built.dag.words().size();
+    ASSERT_GT(largest, 200'000u) << "too few words for a merge in pieces";
+
+    // In memory; spilled, and then merged in memory, or level by level in pieces.
+    const std::uint64_t roomy = std::uint64_t{1} << 40;
+    for (const auto& [store_bytes, cap] :
+         {std::pair<std::uint64_t, std::uint64_t>{0, 0}, {300'000, roomy}, {300'000, 0}}) {
+        EXPECT_EQ(refusal(scene, {largest, all}, store_bytes, cap), "");
+        const std::string level = refusal(scene, {largest - 1, all}, store_bytes, cap);
+        EXPECT_NE(level.find("a level of the DAG needs"), std::string::npos) << level;
+        EXPECT_NE(level.find("at most " + std::to_string(largest - 1)), std::string::npos) << level;
+        const std::string dag = refusal(scene, {largest, all - 1}, store_bytes, cap);
+        EXPECT_NE(dag.find("the DAG needs at least " + std::to_string(all) + " words"),
+                  std::string::npos)
+            << dag;
     }
 }
 

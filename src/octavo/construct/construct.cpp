@@ -37,7 +37,7 @@ public:
         : source_(source),
           depth_(depth),
           options_(options),
-          limits_{options.max_memory_bytes, options.max_store_bytes},
+          limits_{options.max_memory_bytes, options.max_store_bytes, options.words},
           scratch_(scratch),
           builder_(source, depth, scratch, limits_, options.journal_interval) {}
 
@@ -89,7 +89,7 @@ private:
         for (auto& part : builder_.take_closed()) done_.push_back(std::move(part));
         std::ranges::sort(done_, {}, [](const auto& part) { return part->state().first_tile; });
         const auto merged = merge_into_one(std::move(done_), scratch_, limits_, options_.progress);
-        return freeze_part(*merged, depth_, scratch_.folder(), options_.progress);
+        return freeze_part(*merged, depth_, scratch_.folder(), options_.progress, limits_.words);
     }
 
     const VoxelSource& source_;

@@ -20,6 +20,7 @@ struct ConstructOptions {
     ProgressFunction progress;           // phases "voxelize" in tiles, "merge", "freeze" in words
 
     std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
+    WordLimits words = {};
 };
 
 struct Constructed {

@@ -66,10 +66,10 @@ private:
 }  // namespace
 
 Constructed freeze_part(const PartFile& part, int depth, const std::filesystem::path& scratch,
-                        const ProgressFunction& progress) {
+                        const ProgressFunction& progress, const WordLimits& limits) {
     const int root_height = depth - 2;
     OctreeCounts counts = part.state().counts;
-    NodeStore above(root_height);
+    NodeStore above(root_height, limits);
     {
         std::vector<CellNode> cells = part.roots();
         reduce_upwards(above, part.top() + 1, cells, counts);
@@ -80,7 +80,7 @@ Constructed freeze_part(const PartFile& part, int depth, const std::filesystem::
         level_words.push_back(h > part.top() ? above.level(h).words().size() : part.words(h));
         level_nodes.push_back(h > part.top() ? above.level(h).count() : part.nodes(h));
     }
-    std::vector<std::uint64_t> begins = level_begins(level_words);
+    std::vector<std::uint64_t> begins = level_begins(level_words, limits);
     const std::uint64_t total = begins.back();
 
     SpillFile file(scratch / "words", SpillFile::Kind::temporary);

@@ -13,9 +13,10 @@ namespace octavo {
 ///
 /// @param depth    the grid's
 /// @param scratch  folder for that file
-/// @throws Error   limit where the DAG has more than 2^32 words; io; bad_input; cancelled
+/// @throws Error   limit where the DAG has too many words; io; bad_input; cancelled
 [[nodiscard]] Constructed freeze_part(const PartFile& part, int depth,
                                       const std::filesystem::path& scratch,
-                                      const ProgressFunction& progress);
+                                      const ProgressFunction& progress,
+                                      const WordLimits& limits = {});
 
 }  // namespace octavo

@@ -12,9 +12,8 @@
 namespace octavo {
 namespace {
 
-constexpr std::uint64_t kMaxWords = 0xffffffffu;  // of a level; ids have 32 bits
-constexpr std::uint64_t kMaxPieces = 256;         // of a level; each has buffers of its own
-constexpr std::uint64_t kReportEvery = 1 << 16;   // nodes
+constexpr std::uint64_t kMaxPieces = 256;        // of a level; each has buffers of its own
+constexpr std::uint64_t kReportEvery = 1 << 16;  // nodes
 
 /// For the nodes of one level of one part: which node of the merged level each has become. Nodes
 /// have two words or more, so half an id finds the entry.
@@ -109,7 +108,7 @@ private:
     }
 
     void merge_in_memory() {
-        UniqueNodes merged(kind());
+        UniqueNodes merged(kind(), options_.words);
         IdWriter ids(*this);
         for_each_node([&](std::uint64_t id, const std::uint32_t* node,
                           int) { ids.put(id, merged.add(node)); },
@@ -186,8 +185,7 @@ private:
                 ranks[p].skip(1);
                 std::vector<std::uint32_t>& piece_ids = pieces[p]->ids;
                 if (rank == piece_ids.size()) {
-                    if (writer.count() + size > kMaxWords)
-                        throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
+                    options_.words.check_level(writer.count() + size);
                     piece_ids.push_back(static_cast<std::uint32_t>(writer.count()));
                     writer.put(node.data(), size);
                     ++merged;
@@ -303,9 +301,11 @@ std::unique_ptr<PartFile> merge_into_one(std::vector<std::unique_ptr<PartFile>> 
                                          const ProgressFunction& progress) {
     if (parts.size() == 1) return std::move(parts.front());
     auto merged = scratch.make_merged_part();
-    merge_parts(
-        parts, *merged,
-        {.max_bytes = limits.room_to_merge(), .scratch = scratch.folder(), .progress = progress});
+    merge_parts(parts, *merged,
+                {.max_bytes = limits.room_to_merge(),
+                 .words = limits.words,
+                 .scratch = scratch.folder(),
+                 .progress = progress});
     trim_memory();
     return merged;
 }

@@ -15,7 +15,8 @@
 namespace octavo {
 
 struct MergeOptions {
-    std::uint64_t max_bytes = 0;    // of memory for the nodes of a level; 0: no limit
+    std::uint64_t max_bytes = 0;  // of memory for the nodes of a level; 0: no limit
+    WordLimits words = {};
     std::filesystem::path scratch;  // a folder for what does not fit; temporary files
     ProgressFunction progress;      // phase "merge", in words
 };
@@ -28,7 +29,7 @@ struct MergeOptions {
 ///
 /// @param out  empty
 /// @throws Error  bad_input where a part contradicts itself; io; limit where a level would have
-///                more than 2^32 words; cancelled
+///                too many words; cancelled
 void merge_parts(std::span<const std::unique_ptr<PartFile>> parts, PartFile& out,
                  const MergeOptions& options);
 

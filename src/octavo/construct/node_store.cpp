@@ -3,10 +3,7 @@
 #include "octavo/construct/node_store.h"
 
 #include <array>
-#include <string>
 #include <utility>
-
-#include "octavo/core/error.h"
 
 namespace octavo {
 
@@ -32,18 +29,17 @@ void append_interior(UniqueNodes& nodes, std::uint32_t children_begin,
 
 }  // namespace
 
-std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words) {
+std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words,
+                                        const WordLimits& limits) {
     std::vector<std::uint64_t> begins = {0};
     for (const std::uint64_t words : level_words) begins.push_back(begins.back() + words);
-    if (begins.back() > std::uint64_t{1} << 32)
-        throw Error(Errc::limit, "the DAG needs " + std::to_string(begins.back()) +
-                                     " words of 32 bits; at most 2^32 can be addressed");
+    limits.check_dag(begins.back());
     return begins;
 }
 
-NodeStore::NodeStore(int top) {
-    levels_.emplace_back(UniqueNodes::Kind::leaves);
-    for (int h = 1; h <= top; ++h) levels_.emplace_back(UniqueNodes::Kind::interior);
+NodeStore::NodeStore(int top, const WordLimits& limits) : limits_(limits) {
+    levels_.emplace_back(UniqueNodes::Kind::leaves, limits);
+    for (int h = 1; h <= top; ++h) levels_.emplace_back(UniqueNodes::Kind::interior, limits);
 }
 
 // The nodes of a level wait in a ring between being hashed and being added, so that the table's
@@ -163,7 +159,7 @@ Dag NodeStore::freeze(int depth) && {
 
     std::vector<std::uint64_t> level_words;
     for (int l = 0; l < depth - 1; ++l) level_words.push_back(level(depth - 2 - l).words().size());
-    std::vector<std::uint64_t> begins = level_begins(level_words);
+    std::vector<std::uint64_t> begins = level_begins(level_words, limits_);
     const std::uint64_t total = begins.back();
 
     std::vector<std::uint32_t> words;

@@ -18,7 +18,7 @@ namespace octavo {
 class NodeStore {
 public:
     /// @param top  the greatest height that nodes will have
-    explicit NodeStore(int top);
+    explicit NodeStore(int top, const WordLimits& limits = {});
 
     [[nodiscard]] int top() const { return static_cast<int>(levels_.size()) - 1; }
     [[nodiscard]] UniqueNodes& level(int height) { return levels_[static_cast<unsigned>(height)]; }
@@ -46,19 +46,21 @@ public:
 
     /// The finished DAG. The store is consumed.
     /// @param depth  the grid's; the store's top level, depth - 2, holds the root or nothing
-    /// @throws Error limit where the DAG has more than 2^32 words
+    /// @throws Error limit where the DAG has more words than pointers can name
     [[nodiscard]] Dag freeze(int depth) &&;
 
 private:
     std::uint32_t merge_leaves(const UniqueNodes& leaves);
     std::uint32_t merge_level(const UniqueNodes& nodes, UniqueNodes& target);
 
+    WordLimits limits_;
     std::vector<UniqueNodes> levels_;
     std::vector<std::uint32_t> new_ids_, new_ids_below_;  // scratch of merge_root
 };
 
 /// Where the levels of a DAG begin, as Dag wants it, the root's first.
-/// @throws Error limit where they have more than 2^32 words together
-[[nodiscard]] std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words);
+/// @throws Error limit where they have more words together than pointers can name
+[[nodiscard]] std::vector<std::uint64_t> level_begins(std::span<const std::uint64_t> level_words,
+                                                      const WordLimits& limits = {});
 
 }  // namespace octavo

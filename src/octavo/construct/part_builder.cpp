@@ -27,7 +27,11 @@ std::uint64_t MemoryLimits::room_to_merge() const {
 
 PartBuilder::PartBuilder(const VoxelSource& source, int depth, Scratch& scratch,
                          const MemoryLimits& limits, std::chrono::milliseconds interval)
-    : source_(source), scratch_(scratch), limits_(limits), interval_(interval), store_(depth - 2) {}
+    : source_(source),
+      scratch_(scratch),
+      limits_(limits),
+      interval_(interval),
+      store_(depth - 2, limits.words) {}
 
 void PartBuilder::resume(std::unique_ptr<PartFile> part) {
     file_ = std::move(part);

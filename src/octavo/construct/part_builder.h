@@ -13,10 +13,11 @@
 
 namespace octavo {
 
-/// What a build may hold in memory.
+/// What a build may hold in memory, and name.
 struct MemoryLimits {
     std::uint64_t max_resident_bytes = 0;  // of the whole process; 0: no cap
     std::uint64_t max_store_bytes = 0;     // of nodes held at once; 0: what the cap leaves
+    WordLimits words = {};
 
     /// What a merge may take for the nodes of a level, now; 0: as much as it likes.
     [[nodiscard]] std::uint64_t room_to_merge() const;

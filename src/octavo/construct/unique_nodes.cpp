@@ -6,13 +6,10 @@
 #include <algorithm>
 #include <array>
 
-#include "octavo/core/error.h"
-
 namespace octavo {
 namespace {
 
 constexpr std::size_t kFirstBuckets = 16;
-constexpr std::uint64_t kMaxLevelWords = 0xffffffffu;
 
 }  // namespace
 
@@ -31,8 +28,7 @@ std::uint32_t UniqueNodes::append_interior(std::uint32_t child_mask, const Child
 
 std::uint32_t UniqueNodes::take_appended(int size, Bucket& bucket, std::uint8_t tag) {
     const std::uint64_t id = words_.size();
-    if (id + static_cast<unsigned>(size) > kMaxLevelWords)
-        throw Error(Errc::limit, "a level of the DAG needs more than 2^32 words");
+    limits_.check_level(id + static_cast<unsigned>(size));
     words_.commit(size);
     bucket.put(static_cast<std::uint32_t>(id), tag);
     if (++count_ > buckets_.size() * kNodesOfBucket) grow_table();

@@ -13,6 +13,7 @@
 #endif
 
 #include "octavo/construct/word_array.h"
+#include "octavo/construct/word_limits.h"
 #include "octavo/core/huge_pages.h"
 #include "octavo/dag/node.h"
 
@@ -61,10 +62,10 @@ class UniqueNodes {
 public:
     enum class Kind { leaves, interior };
 
-    explicit UniqueNodes(Kind kind) : kind_(kind) {}
+    explicit UniqueNodes(Kind kind, const WordLimits& limits = {}) : kind_(kind), limits_(limits) {}
 
     /// The id of the node with these words; adds it if it is new.
-    /// @throws Error limit where an id would not fit 32 bits
+    /// @throws Error limit where there would be more words than ids can name
     std::uint32_t add(const std::uint32_t* node) {
         if (kind_ == Kind::leaves) return add_leaf(voxels_of(node));
         const ChildIds children = children_of(node);
@@ -178,7 +179,7 @@ public:
     void discard_before(std::uint64_t id) { words_.discard_before(id); }
 
     /// Gives all memory back.
-    void reset() { *this = UniqueNodes(kind_); }
+    void reset() { *this = UniqueNodes(kind_, limits_); }
 
 private:
     /// A cache line of the table: ids, and a byte of each node's hash, so that nodes that are not
@@ -258,6 +259,7 @@ private:
     void grow_table();
 
     Kind kind_;
+    WordLimits limits_;
     WordArray words_;
     // What finds its bucket full goes to the next.
     std::vector<Bucket, HugePageAllocator<Bucket>> buckets_;
