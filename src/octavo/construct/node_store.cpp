@@ -2,7 +2,9 @@
 // Source: [K13] section 3, "each subtree is reduced to a DAG before we insert it into the top".
 #include "octavo/construct/node_store.h"
 
+#include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
 namespace octavo {
@@ -11,15 +13,18 @@ namespace {
 
 /// Copies a level's nodes and moves their pointers on to where the next level begins. What has been
 /// copied is given back on the way, so that the DAG is not held twice.
-void append_interior(UniqueNodes& nodes, std::uint32_t children_begin,
-                     std::vector<std::uint32_t>& words) {
+/// @param out  with room for a node after the last one, which is overwritten
+void copy_interior(UniqueNodes& nodes, std::uint32_t children_begin, std::uint32_t* out) {
     constexpr std::uint64_t kDiscardEvery = 1 << 22;
     const std::span<const std::uint32_t> from = nodes.words();
     std::uint64_t next_discard = kDiscardEvery;
     for (std::uint64_t i = 0; i < from.size();) {
-        const auto end = i + static_cast<unsigned>(nodes.size_of(from.data() + i));
-        words.push_back(from[i]);
-        while (++i < end) words.push_back(from[i] + children_begin);
+        const std::uint32_t* node = from.data() + i;  // with slack after the last one
+        out[0] = node[0];
+        for (int k = 1; k < kMaxNodeWords; ++k) out[k] = node[k] + children_begin;
+        const auto size = static_cast<unsigned>(nodes.size_of(node));
+        out += size;
+        i += size;
         if (i >= next_discard) {
             nodes.discard_before(i);
             next_discard = i + kDiscardEvery;
@@ -162,19 +167,19 @@ Dag NodeStore::freeze(int depth) && {
     std::vector<std::uint64_t> begins = level_begins(level_words, limits_);
     const std::uint64_t total = begins.back();
 
-    std::vector<std::uint32_t> words;
-    words.reserve(total);
+    const auto words = std::make_shared<HugeVector<std::uint32_t>>(total + kMaxNodeWords);
     for (int l = 0; l < depth - 1; ++l) {
         UniqueNodes& nodes = level(depth - 2 - l);
+        std::uint32_t* out = words->data() + begins[static_cast<unsigned>(l)];
         if (l == depth - 2) {
-            words.insert(words.end(), nodes.words().begin(), nodes.words().end());
+            std::ranges::copy(nodes.words(), out);
         } else {
-            append_interior(nodes, static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]),
-                            words);
+            copy_interior(nodes, static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]),
+                          out);
         }
         nodes.reset();
     }
-    return Dag(depth, std::move(begins), std::move(words));
+    return Dag(depth, std::move(begins), std::span(words->data(), total), words);
 }
 
 }  // namespace octavo

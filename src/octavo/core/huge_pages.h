@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
+#include <utility>
+#include <vector>
 
 namespace octavo {
 
@@ -26,5 +29,32 @@ struct HugePageAllocator {
 
     friend bool operator==(const HugePageAllocator&, const HugePageAllocator&) { return true; }
 };
+
+/// Leaves elements that are made without a value as the memory has them.
+template <class T>
+struct RawHugePageAllocator : HugePageAllocator<T> {
+    template <class U>
+    struct rebind {
+        using other = RawHugePageAllocator<U>;
+    };
+
+    RawHugePageAllocator() = default;
+    template <class U>
+    RawHugePageAllocator(const RawHugePageAllocator<U>&) {}
+
+    template <class U>
+    void construct(U* place) noexcept {
+        ::new (static_cast<void*>(place)) U;
+    }
+    template <class U, class... Arguments>
+    void construct(U* place, Arguments&&... arguments) {
+        ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+    }
+};
+
+/// A large array of plain numbers; resize() does not write to it, so that the threads that fill it
+/// are the ones that get its pages.
+template <class T>
+using HugeVector = std::vector<T, RawHugePageAllocator<T>>;
 
 }  // namespace octavo
