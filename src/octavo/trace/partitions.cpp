@@ -14,10 +14,9 @@ namespace octavo {
 namespace {
 
 /// Rays that ask for a table before it is made, and that each table has to answer before there are
-/// more than the first. To walk this many takes about as long as to make a table.
+/// more. To walk this many takes about as long as to make a table.
 constexpr std::uint32_t kRaysForTable = 2048;
 constexpr std::uint32_t kRaysOnFlight = 32;
-constexpr std::size_t kFirstTables = 32;
 
 constexpr std::uint64_t kLeastRoom = 128 << 10;  // bytes that tables may always take
 
@@ -208,8 +207,7 @@ const std::uint8_t* Partitions::want(std::uint32_t node, int rays) noexcept {
         state.compare_exchange_strong(asked, now, std::memory_order_relaxed);
         return nullptr;
     }
-    const bool paid = count() < kFirstTables + earned() / rays_for_table_;
-    return paid ? make(node) : nullptr;
+    return pays() ? make(node) : nullptr;
 }
 
 const std::uint8_t* Partitions::make(std::uint32_t node) noexcept {

@@ -50,6 +50,13 @@ public:
     /// Says that so many rays were found to be occluded by tables.
     void earn(std::size_t rays) noexcept { earned_.fetch_add(rays, std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t earned() const { return earned_.load(std::memory_order_relaxed); }
+    /// Whether tables have answered as many rays as they cost, but for the first few.
+    [[nodiscard]] bool pays() const noexcept {
+        return count() < kFirstTables + earned() / rays_for_table_;
+    }
+    /// Where they do not: what the last rays' search for proofs leaves to those that follow.
+    [[nodiscard]] int credit() const noexcept { return credit_.load(std::memory_order_relaxed); }
+    void set_credit(int credit) noexcept { credit_.store(credit, std::memory_order_relaxed); }
 
     /// Makes all, on all threads of the arena. Cost  docs/adr/0032-partitions.md
     void make_all();
@@ -63,6 +70,7 @@ public:
 private:
     // A node's state: rays that asked for it, or kMaking, or kMaking + 1 + the number of its table.
     static constexpr std::uint32_t kMaking = 1u << 16;
+    static constexpr std::size_t kFirstTables = 32;  // before any has answered a ray
 
     [[nodiscard]] static int usual_height(int depth);
     /// A node has two words or more.
@@ -85,6 +93,7 @@ private:
         tables_;  // room for all, of which the system gives what is used
     std::atomic<std::uint32_t> count_{0};
     std::atomic<std::uint64_t> earned_{0};
+    std::atomic<int> credit_{0};
 };
 
 }  // namespace octavo

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -28,10 +29,11 @@ HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::
     std::array walks{((void)kVectors, Walk<kCone, kPrefetch>(dag, stop))...};
     while (true) {
         bool more = false;
-        for (auto& walk : walks) more = walk.refill(reader) || more || !walk.idle();
-        if (!more) return;
-        for (auto& walk : walks) walk.step(results);
+        for (auto& walk : walks) more = walk.refill(reader, results) || more || !walk.idle();
+        if (!more) break;
+        for (auto& walk : walks) walk.step();
     }
+    for (auto& walk : walks) walk.tell(results);
 }
 
 template <bool kCone, class Reader, class Results>
@@ -94,75 +96,49 @@ struct ClosestResults {
 void TraceClosest(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
                   shared::Stop stop, shared::GridHit* hits) {
     ClosestResults results{dag.depth, hits};
-    BatchReader reader(dag, rays, stop);
+    AllRays all;
+    BatchReader reader(dag, rays, stop, all);
     if (stop.cone > 0.0f)
         walk_all<true>(dag, far_nodes, reader, stop, results);
     else
         walk_all<false>(dag, far_nodes, reader, stop, results);
 }
 
-template <bool kCone>
-HWY_NOINLINE void trace_any_alone(shared::DagView dag, bool far_nodes,
-                                  std::span<const shared::GridRay> rays, shared::Stop stop,
-                                  std::uint8_t* occluded) {
+template <bool kCone, class Filter>
+HWY_NOINLINE void trace_any_without(Filter& filter, shared::DagView dag, bool far_nodes,
+                                    std::span<const shared::GridRay> rays, shared::Stop stop,
+                                    std::uint8_t* occluded) {
     AnyResults results{occluded};
-    BatchReader reader(dag, rays, stop);
+    BatchReader reader(dag, rays, stop, filter);
     walk_all<kCone>(dag, far_nodes, reader, stop, results);
 }
 
-/// Rays that are still to be traced, and which ones they are.
-struct RaysLeft {
-    std::size_t count = 0;
-    std::array<shared::GridRay, 1024> rays;
-    std::array<std::uint32_t, 1024> numbers;
-    std::array<std::uint8_t, 1024> occluded;
+/// Leaves those out that partitions show to be occluded.
+struct Unproven {
+    Prover& prover;
+    std::uint8_t* occluded;
 
-    [[nodiscard]] bool has_room() const { return count + kRaysPerBatch <= rays.size(); }
-};
-
-template <bool kCone>
-void trace_any_left(shared::DagView dag, bool far_nodes, RaysLeft& left, shared::Stop stop,
-                    std::uint8_t* occluded) {
-    std::fill_n(left.occluded.begin(), left.count, std::uint8_t{0});
-    trace_any_alone<kCone>(dag, far_nodes, std::span(left.rays).first(left.count), stop,
-                           left.occluded.data());
-    for (std::size_t i = 0; i < left.count; ++i) occluded[left.numbers[i]] = left.occluded[i];
-    left.count = 0;
-}
-
-/// Those that partitions show to be occluded need not be traced.
-template <bool kCone>
-HWY_NOINLINE void trace_any_parted(shared::DagView dag, bool far_nodes, Partitions& partitions,
-                                   std::span<const shared::GridRay> rays, shared::Stop stop,
-                                   std::uint8_t* occluded) {
-    Prover prover(dag, partitions);
-    RaysLeft left;
-    for (std::size_t first = 0; first < rays.size(); first += kRaysPerBatch) {
-        const auto group = rays.subspan(first, std::min(kRaysPerBatch, rays.size() - first));
-        const std::uint64_t proven = prover.occluded(group);
-        if (!left.has_room()) trace_any_left<kCone>(dag, far_nodes, left, stop, occluded);
-        for (std::size_t i = 0; i < group.size(); ++i) {
-            if ((proven >> i & 1) != 0) {
-                occluded[first + i] = 1;
-                continue;
-            }
-            left.rays[left.count] = group[i];
-            left.numbers[left.count++] = static_cast<std::uint32_t>(first + i);
-        }
+    std::uint64_t without(std::size_t first, std::span<const shared::GridRay> some) {
+        const std::uint64_t proven = prover.occluded(some);
+        for (std::uint64_t rest = proven; rest != 0; rest &= rest - 1)
+            occluded[first + static_cast<std::size_t>(std::countr_zero(rest))] = 1;
+        return proven;
     }
-    trace_any_left<kCone>(dag, far_nodes, left, stop, occluded);
-    partitions.earn(prover.count_found());
-}
+};
 
 template <bool kCone>
 void trace_any_of(shared::DagView dag, bool far_nodes, Partitions* partitions,
                   std::span<const shared::GridRay> rays, shared::Stop stop,
                   std::uint8_t* occluded) {
     if (partitions != nullptr &&
-        Prover::run_alike(rays.first(std::min(kRaysPerBatch, rays.size()))))
-        trace_any_parted<kCone>(dag, far_nodes, *partitions, rays, stop, occluded);
-    else
-        trace_any_alone<kCone>(dag, far_nodes, rays, stop, occluded);
+        Prover::run_alike(rays.first(std::min(kRaysPerBatch, rays.size())))) {
+        Prover prover(dag, *partitions);
+        Unproven unproven{prover, occluded};
+        trace_any_without<kCone>(unproven, dag, far_nodes, rays, stop, occluded);
+    } else {
+        AllRays all;
+        trace_any_without<kCone>(all, dag, far_nodes, rays, stop, occluded);
+    }
 }
 
 void TraceAny(shared::DagView dag, bool far_nodes, Partitions* partitions,
@@ -186,8 +162,9 @@ namespace {
 
 /// Below a leaf's depth there are no nodes to walk, a root that may be a hit needs no walk, and
 /// gathers count words in 31 bits: for all these the shared text is fast enough.
-bool fits_lanes(const Dag& dag, const shared::Stop& stop) {
-    return dag.depth() >= 3 && stop.height < dag.depth() && dag.words().size() < (1u << 31);
+bool in_lanes(const Dag& dag, const shared::Stop& stop, WideWalk walk) {
+    return walk != WideWalk::one_by_one && dag.depth() >= 3 && stop.height < dag.depth() &&
+           dag.words().size() < (1u << 31);
 }
 
 /// Measured with 2 MB of cache for each core: 12 and 30 MB were faster as near, 386 MB as far.
@@ -211,18 +188,20 @@ HWY_EXPORT(TraceClosest);
 HWY_EXPORT(TraceAny);
 HWY_EXPORT(BeamStart);
 
-float beam_start_wide(const Dag& dag, const shared::Bundle& beam, shared::Stop stop) noexcept {
+float beam_start_wide(const Dag& dag, const shared::Bundle& beam, shared::Stop stop,
+                      WideWalk walk) noexcept {
     const shared::DagView view = shared::view(dag);
     const bool mixed = glm::any(glm::notEqual(glm::lessThan(beam.dir_low, vec3(0.0f)),
                                               glm::lessThan(beam.dir_high, vec3(0.0f))));
-    if (mixed || view.depth == 0 || !is_finite(beam)) return beam_start(view, beam, stop);
+    if (walk == WideWalk::one_by_one || mixed || view.depth == 0 || !is_finite(beam))
+        return beam_start(view, beam, stop);
     return HWY_DYNAMIC_DISPATCH(BeamStart)(view, beam, stop);
 }
 
 void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
                         std::span<shared::GridHit> hits, WideWalk walk) noexcept {
     const shared::DagView view = shared::view(dag);
-    if (!fits_lanes(dag, stop)) {
+    if (!in_lanes(dag, stop, walk)) {
         for (std::size_t i = 0; i < rays.size(); ++i)
             hits[i] = shared::trace_closest(view, rays[i], stop);
         return;
@@ -236,7 +215,7 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
                     std::span<std::uint8_t> occluded, Partitions* partitions,
                     WideWalk walk) noexcept {
     const shared::DagView view = shared::view(dag);
-    if (!fits_lanes(dag, stop)) {
+    if (!in_lanes(dag, stop, walk)) {
         for (std::size_t i = 0; i < rays.size(); ++i)
             occluded[i] = shared::trace_any(view, rays[i], stop) ? 1 : 0;
         return;

@@ -25,9 +25,9 @@ class Partitions;
 inline constexpr std::size_t kRaysPerBatch = 64;
 
 /// How to wait for nodes: a DAG far larger than the caches is walked with more rays in flight,
-/// which ask for their nodes a step ahead. Faster for the one, slower for the other; the same
-/// results.
-enum class WideWalk { by_size, near_nodes, far_nodes };
+/// which ask for their nodes a step ahead. Faster for the one, slower for the other. Or without
+/// lanes and tables, each ray by the shared text. The same results.
+enum class WideWalk { by_size, near_nodes, far_nodes, one_by_one };
 
 /// @param hits  as long as `rays`
 /// Cost  with AVX-512 a third to a sixth of as many calls of shared::trace_closest();
@@ -37,8 +37,8 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
                         WideWalk walk = WideWalk::by_size) noexcept;
 
 /// shared::beam_start(), the same number, with the eight children of a cell in one test.
-[[nodiscard]] float beam_start_wide(const Dag& dag, const shared::Bundle& beam,
-                                    shared::Stop stop) noexcept;
+[[nodiscard]] float beam_start_wide(const Dag& dag, const shared::Bundle& beam, shared::Stop stop,
+                                    WideWalk walk = WideWalk::by_size) noexcept;
 
 /// @param occluded    as long as `rays`; 1 where the ray hits something, else 0
 /// @param partitions  of this DAG, or null. With them rays that run alike, as those to a lamp do,

@@ -19,19 +19,10 @@
 #include <span>
 
 #include "octavo/trace/wide.h"
+#include "octavo/trace/wide_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using FloatTag = hn::ScalableTag<float>;
-using IntTag = hn::RebindToSigned<FloatTag>;
-using Floats = hn::Vec<FloatTag>;
-using Ints = hn::Vec<IntTag>;
-using FloatMask = hn::Mask<FloatTag>;
-using IntMask = hn::Mask<IntTag>;
-constexpr std::size_t kLanes = HWY_LANES(float);
 
 HWY_INLINE Floats max3(Floats x, Floats y, Floats z) {
     return hn::Max(x, hn::Max(y, z));
@@ -102,7 +93,6 @@ HWY_INLINE RayLanes read_rays(shared::DagView dag, std::span<const shared::GridR
 /// An array for each number, and room for a vector after the last.
 struct Batch {
     static constexpr std::size_t kSize = kRaysPerBatch + kLanes;
-    static constexpr bool kStaysInCell = false;
 
     HWY_ALIGN std::int32_t cell[3][kSize];
     HWY_ALIGN float frac[3][kSize];
@@ -122,11 +112,23 @@ struct Batch {
     std::int32_t nodes[kMaxDepth + 1];  // by height, from the root to `top`
 };
 
+/// Leaves no ray of a batch out.
+struct AllRays {
+    std::uint64_t without(std::size_t /*first*/, std::span<const shared::GridRay> /*some*/) {
+        return 0;
+    }
+};
+
 /// Hands out rays in batches.
+///
+/// @tparam Filter  without(first, some) has a bit for each ray of a batch, the first one's number
+///                 being `first`, that need not be traced
+template <class Filter>
 class BatchReader {
 public:
-    BatchReader(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop)
-        : dag_(dag), rays_(rays), stop_(stop) {}
+    BatchReader(shared::DagView dag, std::span<const shared::GridRay> rays, shared::Stop stop,
+                Filter& filter)
+        : dag_(dag), rays_(rays), stop_(stop), filter_(filter) {}
 
     /// Rays of the batch that are still to be taken; makes the next batch where there are none.
     [[nodiscard]] std::size_t available() {
@@ -144,19 +146,24 @@ public:
 private:
     void read_batch() {
         const std::size_t count = std::min(kRaysPerBatch, rays_.size() - next_ray_);
+        const std::uint64_t without = filter_.without(next_ray_, rays_.subspan(next_ray_, count));
         batch_.count = 0;
         next_ = 0;
-        for (std::size_t i = 0; i < count; i += kLanes)
-            read_vector(next_ray_ + i, std::min(kLanes, count - i));
+        for (std::size_t i = 0; i < count; i += kLanes) {
+            const std::uint64_t wanted = ~(without >> i) & kLaneBits;
+            if (wanted != 0) read_vector(next_ray_ + i, std::min(kLanes, count - i), wanted);
+        }
         next_ray_ += count;
         if (batch_.count > 0) place();
     }
 
-    void read_vector(std::size_t first, std::size_t count) {
+    void read_vector(std::size_t first, std::size_t count, std::uint64_t wanted) {
         const FloatTag df;
         const IntTag di;
         const RayLanes rays = read_rays(dag_, rays_, first, count);
-        const FloatMask live = rays.live;
+        const std::uint8_t bits[8] = {static_cast<std::uint8_t>(wanted),
+                                      static_cast<std::uint8_t>(wanted >> 8)};
+        const FloatMask live = hn::And(rays.live, hn::LoadMaskBits(df, bits));
         const IntMask live_int = hn::RebindMask(di, live);
         const std::size_t n = batch_.count;
         for (int axis = 0; axis < 3; ++axis) {
@@ -271,6 +278,7 @@ private:
     shared::DagView dag_;
     std::span<const shared::GridRay> rays_;
     shared::Stop stop_;
+    Filter& filter_;
     std::size_t next_ray_ = 0;
     std::size_t next_ = 0;
     Batch batch_;

@@ -38,7 +38,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 class Prover {
 public:
     Prover(shared::DagView dag, Partitions& partitions)
-        : dag_(dag), partitions_(partitions), height_(partitions.height()) {}
+        : dag_(dag),
+          partitions_(partitions),
+          height_(partitions.height()),
+          credit_(partitions.pays() ? kMostCredit : partitions.credit()) {}
+    Prover(const Prover&) = delete;
+    Prover& operator=(const Prover&) = delete;
+    ~Prover() {
+        partitions_.earn(count_found_);
+        partitions_.set_credit(credit_);
+    }
 
     /// By some of the rays: those that spread are not looked at one group after the other.
     [[nodiscard]] static bool run_alike(std::span<const shared::GridRay> rays) {
@@ -82,11 +91,9 @@ public:
         count_found_ += static_cast<std::size_t>(std::popcount(found));
         return found;
     }
-    [[nodiscard]] std::size_t count_found() const { return count_found_; }
 
 private:
     static_assert(kRaysPerBatch == 64);
-    static constexpr std::uint64_t kLaneBits = (std::uint64_t{1} << kLanes) - 1;
 
     /// Cells that are remembered. Four and eight were as fast or slower.
     static constexpr std::size_t kRemembered = 6;
@@ -241,7 +248,7 @@ private:
     float slack_ = 0.0f;      // voxels
     std::array<Cell, kRemembered> remembered_;
     std::size_t count_found_ = 0;
-    int credit_ = kMostCredit;
+    int credit_;  // of searches: rays that they found, beyond what they cost
     int groups_without_search_ = 0;
     int groups_to_skip_ = 0;
 };

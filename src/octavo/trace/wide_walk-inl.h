@@ -13,10 +13,7 @@
 #include <hwy/highway.h>
 
 #include "octavo/trace/wide_batch-inl.h"
-
-// What Highway has no name for: loads that expand, and gathers of pairs.
-#undef OCTAVO_WIDE_AVX512
-#define OCTAVO_WIDE_AVX512 (HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL)
+#include "octavo/trace/wide_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
@@ -33,10 +30,9 @@ struct HitLanes {
 };
 
 /// Every lane makes one step of the shared text's loop at a time: down into its cell where that
-/// exists, else on to the next one. Both ways are computed for all lanes, without a branch; a step
-/// needs the crossing of three planes only, of the cell's far ones or of its middle ones.
-///
-/// Lanes that have finished take new rays when a quarter of them have.
+/// exists, else on to the next one. Where both lead is known before the words of the node are, and
+/// found while these are on their way; they only choose. A lane that has finished stands still,
+/// until a quarter of them have: then their hits are told, and they take new rays.
 ///
 /// @tparam kPrefetch  for DAGs far larger than the caches: a step asks for the nodes that the next
 ///                    one reads, instead of waiting for them. Wants more vectors in flight.
@@ -55,122 +51,110 @@ public:
         down_ = ray_ = node_ = hn::Zero(di);
         height_ = hn::Set(di, 2);
         low_ = high_ = hn::Zero(di);
-        lane_ = hn::Iota(di, 0);
-        live_ = hn::VecFromMask(di, hn::FirstN(di, 0));
+        even_ = hn::ShiftLeft<1>(hn::Iota(di, 0));
+        odd_ = hn::Add(even_, hn::Set(di, 1));
+        above_lane_ = hn::Iota(di, static_cast<std::int32_t>(kLanes));
+        least_height_ = hn::Set(di, stop.height + 1);
+        leaf_shift_ = down_z_ = hn::Zero(di);
+        live_ = found_ = hn::FirstN(di, 0);
         for (std::int32_t& node : stack_) node = 0;
     }
 
     [[nodiscard]] bool idle() const { return count_live_ == 0; }
 
     /// Gives new rays to lanes that have finished, if enough have. @return whether it took any
-    template <class Reader>
-    HWY_INLINE bool refill(Reader& reader) {
+    template <class Reader, class Results>
+    HWY_INLINE bool refill(Reader& reader, Results& results) {
         if (count_live_ > kLanes - std::max<std::size_t>(1, kLanes / 4)) return false;
-        const std::size_t count = std::min(reader.available(), kLanes - count_live_);
-        if (count == 0) return false;
-        load(reader.batch(), reader.take(count), count);
-        return true;
+        bool took = false;
+        while (count_live_ < kLanes) {
+            const std::size_t count = std::min(reader.available(), kLanes - count_live_);
+            if (count == 0) break;
+            if (!took) tell(results);
+            load(reader.batch(), reader.take(count), count);
+            took = true;
+        }
+        return took;
     }
 
+    /// Tells the hits of lanes that have finished.
     template <class Results>
-    HWY_INLINE void step(Results& results) {
+    HWY_INLINE void tell(Results& results) {
+        if (hn::AllFalse(IntTag(), found_)) return;
+        results.add(hit_lanes());
+        found_ = hn::FirstN(IntTag(), 0);
+    }
+
+    HWY_INLINE void step() {
         const FloatTag df;
         const IntTag di;
         const Ints one = hn::Set(di, 1);
-        const Ints two = hn::Set(di, 2);
         if constexpr (kPrefetch) read_node();
 
-        // Does the cell exist? In a leaf its 2x2x2 block's byte says so, whole or by its voxels.
-        const Ints child = child_at(hn::Shl(one, height_));
-        const Ints block = child_at(two);
-        const Ints half_leaf = hn::IfThenElse(hn::Gt(block, hn::Set(di, 3)), high_, low_);
-        const Ints byte = hn::And(
-            hn::Shr(half_leaf, hn::ShiftLeft<3>(hn::And(block, hn::Set(di, 3)))), hn::Set(di, 255));
-        const IntMask in_leaf = hn::Lt(height_, two);
-        const Ints whole = hn::VecFromMask(di, hn::Gt(byte, hn::Zero(di)));
-        const Ints kids =
-            hn::IfThenElse(in_leaf, hn::IfThenElse(hn::Eq(height_, one), whole, byte), low_);
-        const Ints child_bit = hn::Shl(one, child);
-        const IntMask live = hn::MaskFromVec(live_);
-        const IntMask exists = hn::And(live, hn::TestBit(kids, child_bit));
-
-        IntMask hit = hn::And(exists, hn::Lt(height_, hn::Set(di, stop_.height + 1)));
-        if constexpr (kCone) hit = hn::Or(hit, hn::And(exists, stops_by_cone()));
-        if (!hn::AllFalse(di, hit)) results.add(hit_lanes(hit));
-        const IntMask descends = hn::AndNot(hit, exists);
-        const IntMask advances = hn::AndNot(exists, live);
-
         // Down: the child that the ray is in at time t. On: the cell beyond the nearest far plane.
-        const Ints height_down = hn::Add(height_, hn::VecFromMask(di, descends));
-        const Ints width = hn::Shl(one, height_down);
-        Floats crossing[3];
-        for (int axis = 0; axis < 3; ++axis)
-            crossing[axis] =
-                plane_time(hn::Add(corner_[axis], width), cell_[axis], frac_[axis], inv_dir_[axis]);
-        t_ = hn::IfThenElse(hn::RebindMask(df, advances),
-                            min3(crossing[0], crossing[1], crossing[2]), t_);
-        Ints next[3];
+        const Ints width = hn::Shl(one, height_);
+        const Ints half = hn::ShiftRight<1>(width);
+        Floats exits[3];
+        IntMask high[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const Ints offset = hn::Sub(corner_[axis], cell_[axis]);
+            const Floats middle = time_at(hn::Add(offset, half), axis);
+            high[axis] = hn::RebindMask(di, hn::Le(middle, t_));
+            exits[axis] = time_at(hn::Add(offset, width), axis);
+        }
+        const Floats exit = min3(exits[0], exits[1], exits[2]);
+        Ints on[3];
         Ints changed = hn::Zero(di);
         for (int axis = 0; axis < 3; ++axis) {
-            const IntMask crossed = hn::RebindMask(di, hn::Le(crossing[axis], t_));
-            next[axis] = hn::Add(corner_[axis], hn::IfThenElseZero(crossed, width));
-            changed = hn::Or(changed, hn::Xor(corner_[axis], next[axis]));
+            const IntMask crossed = hn::RebindMask(di, hn::Le(exits[axis], exit));
+            on[axis] = add_where(crossed, corner_[axis], width);
+            changed = hn::Or(changed, hn::Xor(corner_[axis], on[axis]));
         }
-        // The highest bit that changed, by a float's exponent.
-        const Ints last = hn::Sub(hn::ShiftRight<23>(hn::BitCast(di, hn::ConvertTo(df, changed))),
-                                  hn::Set(di, 127));
-        const IntMask ends =
-            hn::And(advances, hn::Or(hn::Not(hn::RebindMask(di, hn::Lt(t_, t_end_))),
-                                     hn::Gt(last, hn::Set(di, depth_ - 1))));
-        const IntMask gone = hn::Or(ends, hit);
-        live_ = hn::IfThenZeroElse(gone, live_);
-        count_live_ = hn::CountTrue(di, hn::MaskFromVec(live_));
+        // The height of the cell beyond, and its parent, or the leaf around it. The grid's far
+        // planes are crossed when the ray ends, or later.
+        const Ints last = highest_bit(changed);
+        const Ints above = gather_where(hn::Gt(last, height_), node_, stack_, stack_place(last));
+        const Ints align = hn::Shl(hn::Set(di, -1), last);
 
-        const IntMask climbs = hn::And(hn::AndNot(ends, advances), hn::Gt(last, height_));
-        const IntMask to_node = hn::AndNot(in_leaf, descends);
-        const IntMask to_ancestor = hn::And(climbs, hn::Gt(last, one));
-        height_ = hn::IfThenElse(climbs, last, height_down);
+        // Does the cell exist? In a leaf its 2x2x2 block's byte says so, whole or by its voxels.
+        const Ints child_bit = hn::Shl(one, child_at(width));
+        const IntMask in_leaf = hn::Lt(height_, hn::Set(di, 2));
+        const Ints kids = hn::IfThenElse(in_leaf, leaf_byte(), low_);
+        const Ints wanted = hn::IfThenElse(hn::Eq(height_, one), hn::Set(di, 255), child_bit);
+        const IntMask exists = hn::And(live_, has_any(kids, wanted));
+
+        IntMask stops = hn::Lt(height_, least_height_);
+        if constexpr (kCone) stops = hn::Or(stops, stops_by_cone());
+        found_ = hn::Or(found_, hn::And(exists, stops));
+        const IntMask descends = hn::AndNot(stops, exists);
+        const IntMask advances =
+            hn::And(hn::AndNot(exists, live_), hn::RebindMask(di, hn::Lt(exit, t_end_)));
+        live_ = hn::Or(descends, advances);
+        count_live_ = hn::CountTrue(di, live_);
 
         const Ints lower = hn::And(low_, hn::Sub(child_bit, one));
-        const Ints pointer =
-            hn::Add(hn::Add(node_, one), count_bits(hn::And(lower, hn::Set(di, 255))));
-        const Ints below = hn::GatherIndex(di, words_, hn::IfThenElse(to_node, pointer, node_));
-        const Ints level = hn::IfThenElseZero(to_ancestor, hn::Add(last, one));
-        const Ints above = hn::GatherIndex(di, stack_, stack_place(level));
-        node_ = hn::IfThenElse(to_node, below, hn::IfThenElse(to_ancestor, above, node_));
-        // In every lane the node is that of the cell's parent, or the leaf around it: writing it
-        // where it stands already does no harm.
-        hn::ScatterIndex(node_, di, stack_, stack_place(hn::Max(hn::Add(height_, one), two)));
+        const Ints pointer = hn::Add(node_, count_bits(lower));
+        node_ = gather_where(hn::AndNot(in_leaf, descends), hn::IfThenElse(advances, above, node_),
+                             words_ + 1, pointer);
+        t_ = hn::IfThenElse(hn::RebindMask(df, advances), exit, t_);
+        height_ = hn::IfThenElse(advances, last, subtract_where(descends, height_, one));
+        for (int axis = 0; axis < 3; ++axis)
+            corner_[axis] =
+                and_where(advances, add_where(hn::And(descends, high[axis]), corner_[axis], half),
+                          on[axis], align);
+        // It stands at its place already where the ray has gone on.
+        hn::ScatterIndex(node_, di, stack_, stack_place(height_));
         if constexpr (kPrefetch)
             prefetch_node();
         else
             read_node();
-        const Ints align = hn::Neg(hn::Shl(one, height_));
-        for (int axis = 0; axis < 3; ++axis) corner_[axis] = hn::And(next[axis], align);
     }
 
 private:
-    /// Of numbers below 256.
-    HWY_INLINE static Ints count_bits(Ints bytes) {
-        const IntTag di;
-#if OCTAVO_WIDE_AVX512
-        const __m512i counts =
-            _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
-        const __m512i low = hn::And(bytes, hn::Set(di, 15)).raw;
-        const __m512i high = hn::ShiftRight<4>(bytes).raw;
-        return hn::Add(Ints{_mm512_shuffle_epi8(counts, low)},
-                       Ints{_mm512_shuffle_epi8(counts, high)});
-#else
-        Ints v = hn::Sub(bytes, hn::And(hn::ShiftRight<1>(bytes), hn::Set(di, 0x55)));
-        v = hn::Add(hn::And(v, hn::Set(di, 0x33)),
-                    hn::And(hn::ShiftRight<2>(v), hn::Set(di, 0x33)));
-        return hn::And(hn::Add(v, hn::ShiftRight<4>(v)), hn::Set(di, 15));
-#endif
-    }
-
-    HWY_INLINE Ints stack_place(Ints level) const {
+    /// Where the stack has the parent of a cell of this height, or the leaf around it.
+    HWY_INLINE Ints stack_place(Ints height) const {
         constexpr int kShift = std::bit_width(kLanes) - 1;
-        return hn::Add(hn::ShiftLeft<kShift>(level), lane_);
+        return hn::Add(hn::ShiftLeft<kShift>(height), above_lane_);
     }
 
     /// The real number of the child of this width, among its siblings, that lies at the corner.
@@ -178,10 +162,20 @@ private:
         const IntTag di;
         Ints child = down_;
         for (int axis = 0; axis < 3; ++axis) {
-            const IntMask high = hn::TestBit(corner_[axis], width);
-            child = hn::IfThenElse(high, hn::Xor(child, hn::Set(di, 1 << axis)), child);
+            child = xor_where(has_any(corner_[axis], width), child, hn::Set(di, 1 << axis));
         }
         return child;
+    }
+
+    /// The byte of the 2x2x2 block of a leaf that the ray is in, and other bits above it.
+    HWY_INLINE Ints leaf_byte() const {
+        const IntTag di;
+        const Ints two = hn::Set(di, 2);
+        const Ints eight = hn::Set(di, 8), sixteen = hn::Set(di, 16);
+        Ints shift = xor_where(has_any(corner_[0], two), leaf_shift_, eight);
+        shift = xor_where(has_any(corner_[1], two), shift, sixteen);
+        const IntMask upper = has_any(hn::Xor(corner_[2], down_z_), two);
+        return hn::Shr(hn::IfThenElse(upper, high_, low_), shift);
     }
 
     HWY_INLINE void read_node() {
@@ -191,9 +185,8 @@ private:
         const __m512i a = _mm512_i32gather_epi64(_mm512_castsi512_si256(node_.raw), words_, 4);
         const __m512i b =
             _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(node_.raw, 1), words_, 4);
-        const __m512i even = hn::Add(lane_, lane_).raw;
-        low_ = Ints{_mm512_permutex2var_epi32(a, even, b)};
-        high_ = Ints{_mm512_permutex2var_epi32(a, hn::Add(Ints{even}, hn::Set(di, 1)).raw, b)};
+        low_ = Ints{_mm512_permutex2var_epi32(a, even_.raw, b)};
+        high_ = Ints{_mm512_permutex2var_epi32(a, odd_.raw, b)};
 #else
         const Ints in_leaf = hn::VecFromMask(di, hn::Lt(height_, hn::Set(di, 2)));
         low_ = hn::GatherIndex(di, words_, node_);
@@ -207,13 +200,17 @@ private:
         for (std::size_t lane = 0; lane < kLanes; ++lane) hwy::Prefetch(words_ + nodes[lane]);
     }
 
+    /// shared::plane_time() of planes so far from the ray's own cell.
+    HWY_INLINE Floats time_at(Ints offset, int axis) const {
+        return hn::Mul(hn::Sub(hn::ConvertTo(FloatTag(), offset), frac_[axis]), inv_dir_[axis]);
+    }
     /// When the low planes of the cell are crossed.
     HWY_INLINE Floats entry(int axis) const {
-        return plane_time(corner_[axis], cell_[axis], frac_[axis], inv_dir_[axis]);
+        return time_at(hn::Sub(corner_[axis], cell_[axis]), axis);
     }
 
-    HWY_INLINE HitLanes hit_lanes(IntMask hit) const {
-        return {hit,     ray_,  {corner_[0], corner_[1], corner_[2]},
+    HWY_INLINE HitLanes hit_lanes() const {
+        return {found_,  ray_,  {corner_[0], corner_[1], corner_[2]},
                 height_, down_, {entry(0), entry(1), entry(2)},
                 t_};
     }
@@ -229,8 +226,7 @@ private:
     }
 
     /// Rays first to first + count of the batch go to as many free lanes.
-    template <class SomeBatch>
-    HWY_NOINLINE void load(const SomeBatch& batch, std::size_t first, std::size_t count) {
+    HWY_NOINLINE void load(const Batch& batch, std::size_t first, std::size_t count) {
         const IntTag di;
         // As many free lanes as there are rays, and the number of each among them.
         const std::uint32_t all = free_lanes();
@@ -278,6 +274,8 @@ private:
         load_floats(batch.t, t_);
         load_floats(batch.t_end, t_end_);
         load_ints(batch.down, down_);
+        leaf_shift_ = hn::ShiftLeft<3>(hn::And(down_, hn::Set(di, 3)));
+        down_z_ = hn::ShiftRight<1>(hn::And(down_, hn::Set(di, 4)));
         load_ints(batch.ray, ray_);
         load_ints(batch.height, height_);
         load_ints(batch.node, node_);
@@ -285,16 +283,10 @@ private:
             prefetch_node();
         else
             low_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), low_);
-        if constexpr (SomeBatch::kStaysInCell) {
-            const Ints least = hn::Set(di, 2);
-            const Ints above = hn::Add(height_, hn::Set(di, 1));
-            hn::ScatterIndex(node_, di, stack_, stack_place(hn::Max(above, least)));
-        } else {
-            for (int height = batch.top; height <= depth_; ++height)
-                hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
-                                 stack_ + static_cast<std::size_t>(height) * kLanes);
-        }
-        live_ = hn::Or(live_, hn::VecFromMask(di, take));
+        for (int height = batch.top; height <= depth_; ++height)
+            hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
+                             stack_ + static_cast<std::size_t>(height) * kLanes);
+        live_ = hn::Or(live_, take);
         count_live_ += count;
     }
 
@@ -302,7 +294,7 @@ private:
     HWY_INLINE std::uint32_t free_lanes() const {
         const IntTag di;
         std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(di, hn::Eq(live_, hn::Zero(di)), bits);
+        hn::StoreMaskBits(di, hn::Not(live_), bits);
         return bits[0] | std::uint32_t{bits[1]} << 8;
     }
 
@@ -315,12 +307,17 @@ private:
     Floats frac_[3], inv_dir_[3];
     Floats t_, t_end_;
     Ints down_, ray_;
-    Ints height_;  // of the cell that the ray is in, see corner_
-    Ints node_;    // its parent; in a leaf, the leaf
-    Ints low_;     // the node's first word
-    Ints high_;    // a leaf's second word
-    Ints lane_;
-    Ints live_;  // all bits set where the lane has a ray
+    Ints height_;      // of the cell that the ray is in, see corner_
+    Ints node_;        // its parent; in a leaf, the leaf
+    Ints low_;         // the node's first word
+    Ints high_;        // a leaf's second word
+    Ints even_, odd_;  // numbers
+    Ints above_lane_;
+    Ints least_height_;                                       // where a ray does not stop
+    Ints leaf_shift_;                                         // of down_: 8 for x and 16 for y
+    Ints down_z_;                                             // of down_: 2 for z
+    IntMask live_;                                            // the lane has a ray on its way
+    IntMask found_;                                           // it has a hit that has not been told
     HWY_ALIGN std::int32_t stack_[(kMaxDepth + 2) * kLanes];  // by height: the nodes on the path
 };
 
