@@ -14,8 +14,10 @@ namespace octavo {
 namespace {
 
 /// Rays that ask for a table before it is made, and that each table has to answer before there are
-/// more. To walk this many takes about as long as to make a table.
-constexpr std::uint32_t kRaysForTable = 2048;
+/// more. What a table of this height saves them takes about as long as to make it; one twice as
+/// wide takes four times as long, and answers more rays that pass by.
+constexpr std::uint32_t kRaysForTable = 8192;
+constexpr int kHeightOfThese = 6;
 constexpr std::uint32_t kRaysOnFlight = 32;
 
 constexpr std::uint64_t kLeastRoom = 128 << 10;  // bytes that tables may always take
@@ -174,14 +176,16 @@ private:
 
 }  // namespace
 
-int Partitions::usual_height(int depth) {
-    // Wider nodes take longer to make than they save, and in narrower ones rays have to find more
-    // of them.
-    return std::clamp(depth - 5, 6, 8);
+int Partitions::usual_height(int depth, Pace pace) {
+    // Wider ones take longer to make than they save, and of narrower ones rays have to find more.
+    return pace == Pace::picture ? std::clamp(depth - 6, 6, 8) : std::clamp(depth - 5, 6, 9);
 }
 
 Partitions::Partitions(const Dag& dag, int height, Pace pace)
-    : dag_(dag), rays_for_table_(pace == Pace::picture ? kRaysForTable : kRaysOnFlight) {
+    : dag_(dag),
+      rays_for_table_(pace == Pace::flight
+                          ? kRaysOnFlight
+                          : kRaysForTable << std::clamp(height - kHeightOfThese, 0, 2)) {
     if (dag.empty() || height < 3 || height >= dag.depth()) return;
     height_ = height;
     const int level = dag.depth() - height;

@@ -32,9 +32,10 @@ public:
     /// pictures.
     enum class Pace { picture, flight };
 
-    /// For nodes a thirty-second of the grid wide, but 64 to 256 voxels.
+    /// For nodes of a width that pays soon: a sixty-fourth of the grid for a picture, 64 to 256
+    /// voxels; a thirty-second for a flight, 64 to 512 (docs/adr/0039-what-a-table-costs.md).
     explicit Partitions(const Dag& dag, Pace pace = Pace::picture)
-        : Partitions(dag, usual_height(dag.depth()), pace) {}
+        : Partitions(dag, usual_height(dag.depth(), pace), pace) {}
     /// @param height  of the nodes, 3 to depth - 1; any other is for a DAG without tables
     Partitions(const Dag& dag, int height, Pace pace = Pace::picture);
 
@@ -72,7 +73,7 @@ private:
     static constexpr std::uint32_t kMaking = 1u << 16;
     static constexpr std::size_t kFirstTables = 32;  // before any has answered a ray
 
-    [[nodiscard]] static int usual_height(int depth);
+    [[nodiscard]] static int usual_height(int depth, Pace pace);
     /// A node has two words or more.
     [[nodiscard]] std::size_t place(std::uint32_t node) const { return (node - first_word_) / 2; }
     [[nodiscard]] std::uint8_t* table(std::uint32_t number) const {
