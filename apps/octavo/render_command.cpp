@@ -351,6 +351,10 @@ void add_render_command(CLI::App& program) {
             "What to render on: cpu (the default), cuda, vulkan, one of `octavo devices`, or "
             "auto: a GPU where there is one")
         ->type_name("DEVICE");
+    command.add_flag_callback(
+        "--no-wide", [arguments] { arguments->options.wide = false; },
+        "Trace the picture's rays by the shared text alone, one at a time, without SIMD lanes and "
+        "tables: the same picture, slower");
     command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
         ->type_name("N")
         ->check(within(0, 4096));

@@ -71,6 +71,30 @@ TEST(RenderPrimary, ShowsTheTrianglesInTheVoxelsShadow) {
     EXPECT_EQ(run_shell(folder.path(), "octavo render a.octv -o b.png --dag a.octv").code, 2);
 }
 
+TEST(RenderNoWide, IsTheSamePicture) {
+    const TemporaryFolder folder;
+    const auto build =
+        run_shell(folder.path(),
+                  "octavo build sample:courtyard -o a.octv -r 128 -q --attributes color "
+                  "--attribute-resolution 32; octavo build sample:courtyard -o b.octv -r 64 -q "
+                  "--attributes color --attribute-resolution 32");
+    ASSERT_EQ(build.code, 0) << build.err;
+    folder.write("scene.json", R"({"objects":[{"file":"a.octv"},
+        {"file":"b.octv","scale":0.2,"position":[1,2,3],"rotation":{"degrees":30}}],
+        "lights":["sun:30,60"],"sky":"none"})");
+    const std::string end = " -o a.png --size 48x27 --samples 2 --ao 8 --shadow-samples 4 -f";
+    for (const std::string file :
+         {"a.octv", "a.octv --gi", "a.octv --gi cached --sun 30,60", "scene.json"}) {
+        const Outcome wide = run_shell(folder.path(), "octavo render " + file + end);
+        ASSERT_EQ(wide.code, 0) << file << wide.err;
+        const std::string picture = file_content(folder / "a.png");
+        ASSERT_EQ(run_shell(folder.path(), "octavo render " + file + " --no-wide" + end).code, 0);
+        EXPECT_TRUE(file_content(folder / "a.png") == picture) << file;
+    }
+    EXPECT_EQ(run_shell(folder.path(), "octavo render a.octv --no-wide --device vulkan" + end).code,
+              2);
+}
+
 TEST(RenderLight, IsTheOneThatWasAskedFor) {
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") == picture({}, "--sun 30,40"));
     EXPECT_TRUE(picture({kMorning}, "--sun 30,40") != picture({kMorning}));

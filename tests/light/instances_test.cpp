@@ -10,6 +10,7 @@
 #include "octavo/core/error.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/trace/wide.h"
+#include "support/small_dags.h"
 
 namespace octavo {
 namespace {
@@ -77,6 +78,34 @@ TEST(Instances, ManyMovedOnesAreHitWhereTheNearestOfThemIs) {
         EXPECT_NEAR(hits[i].hit.t, nearest, 1e-4f * (1.0f + nearest)) << i;
     }
     EXPECT_GT(found, 200);
+}
+
+// Rays to a sun behind a moved wall, which stands in the scene twice: its tables answer.
+TEST(Instances, WallsThatHaveMovedAnswerWithTheBitsOfOneRayAtATime) {
+    const Dag wall = test::slanted_wall(9, {1, 17, 2}, 10 << 9);
+    std::vector<Instance> objects{{test::dust(5, 0.2, 3), unit_grid(5)}};
+    for (const double x : {40.0, 600.0}) {
+        dmat4 m = glm::translate(dmat4(1.0), dvec3(x, 30.0, 10.0));
+        m = glm::rotate(m, 0.4, glm::normalize(dvec3(1, 2, 3)));
+        objects.push_back({wall, unit_grid(9), glm::scale(m, dvec3(1.1))});
+    }
+    const Instances tables(objects), alone(objects, WideWalk::one_by_one);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(200.0, 300.0);
+    std::vector<shared::GridRay> rays;
+    for (int group = 0; group < 500; ++group) {
+        const dvec3 from(place(random), 700.0, place(random));
+        for (int i = 0; i < 64; ++i)
+            rays.push_back(grid_ray(from + dvec3(i % 8, 0.0, i / 8), {0.2f, -1.0f, 0.1f}, 1e30f));
+    }
+    std::vector<std::uint8_t> found(rays.size()), expected(rays.size());
+    for (int i = 0; i < 5; ++i) tables.trace_any(rays, {0, 0.0f, 0.0f}, found);
+    alone.trace_any(rays, {0, 0.0f, 0.0f}, expected);
+    EXPECT_EQ(found, expected);
+    EXPECT_GT(tables.partitions(1)->earned(), 2000u);
+    EXPECT_EQ(tables.partitions(1), tables.partitions(2));
+    EXPECT_NE(tables.partitions(0), tables.partitions(1));
+    EXPECT_EQ(alone.partitions(1), nullptr);
 }
 
 TEST(Instances, RefusesPlacementsWithoutAnInverse) {

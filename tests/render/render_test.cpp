@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "octavo/trace/partitions.h"
 #include "octavo/trace/trace.h"
 #include "support/small_dags.h"
 
@@ -43,6 +44,25 @@ TEST(Render, BeamsChangeNoBitOfThePicture) {
             const Image with = render(sphere_on_floor(), kGrid, options);
             options.beam = false;
             EXPECT_TRUE(with == render(sphere_on_floor(), kGrid, options)) << distance;
+        }
+}
+
+TEST(Render, LanesAndTablesChangeNoBitOfThePicture) {
+    RenderOptions options = small_picture();
+    const dvec3 centre = kGrid.bounds().centre();
+    for (const Shadows shadows : {Shadows::hard, Shadows::soft})
+        for (const double distance : {0.4, 3.0}) {
+            options.camera = look_at(centre + dvec3(7, 5, 9) * distance, centre, {0, 1, 0}, 0.9);
+            options.shadows = shadows;
+            Partitions partitions(sphere_on_floor(), 4);
+            partitions.make_all();
+            options.partitions = &partitions;
+            options.wide = true;
+            const Image with = render(sphere_on_floor(), kGrid, options);
+            const std::uint64_t earned = partitions.earned();
+            options.wide = false;
+            EXPECT_TRUE(with == render(sphere_on_floor(), kGrid, options)) << distance;
+            EXPECT_EQ(partitions.earned(), earned);
         }
 }
 

@@ -148,6 +148,7 @@ void check(std::size_t points, std::size_t normals, const PointLooks& out) {
 
 std::string only_on_cpu(const RenderOptions& options) {
     if (options.primary) return "primary hits from triangles";
+    if (!options.wide) return "rays one by one";
     return {};
 }
 

@@ -24,8 +24,8 @@ std::vector<Instance> instances_of(const LitScene& scene) {
 
 }  // namespace
 
-LitWorld::LitWorld(const LitScene& scene, const std::optional<dvec3>& centre)
-    : scene_(scene), instances_(instances_of(scene)) {
+LitWorld::LitWorld(const LitScene& scene, const std::optional<dvec3>& centre, WideWalk walk)
+    : scene_(scene), instances_(instances_of(scene), walk) {
     for (const Light& light : scene.lights) lamps_.emplace_back(light, instances_.grid());
     const Box lit = instances_.bounds();
     grid_ = LightGrid(scene.lights, lit, centre.value_or(lit.centre()));

@@ -50,8 +50,10 @@ class LitWorld {
 public:
     /// @param scene   outlives this, and so do the objects' light arrays, which may change
     /// @param centre  of the clusters of lights, world space: the camera; none: the scene's middle
+    /// @param walk    of all rays
     /// @throws Error  bad_argument where the scene has no object
-    explicit LitWorld(const LitScene& scene, const std::optional<dvec3>& centre = {});
+    explicit LitWorld(const LitScene& scene, const std::optional<dvec3>& centre = {},
+                      WideWalk walk = WideWalk::by_size);
 
     [[nodiscard]] const LitScene& scene() const { return scene_; }
     [[nodiscard]] const Instances& instances() const { return instances_; }

@@ -34,13 +34,15 @@ constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
 /// All that the pixels of one picture have in common.
 class Picture {
 public:
-    Picture(const Dag& dag, const Grid& grid, const RenderOptions& options, Partitions& partitions)
+    /// @param partitions  none where rays go one by one
+    Picture(const Dag& dag, const Grid& grid, const RenderOptions& options, Partitions* partitions)
         : whole_dag_(dag),
           dag_(shared::view(dag)),
           grid_(grid),
           options_(options),
           settings_(settle(dag, grid, options)),
-          partitions_(partitions) {
+          partitions_(partitions),
+          walk_(options.wide ? WideWalk::by_size : WideWalk::one_by_one) {
         for (const Light& light : settings_.lights) lamps_.emplace_back(light, grid);
     }
 
@@ -50,7 +52,7 @@ public:
         float start = 0.0f;
         if (options_.beam && !options_.primary)
             if (const auto beam = settings_.rays.bundle(x0, y0, x1, y1))
-                start = beam_start_wide(whole_dag_, *beam, settings_.primary_stop);
+                start = beam_start_wide(whole_dag_, *beam, settings_.primary_stop, walk_);
         Tile tile(*this, normals, x0, y0, x1, y1);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
@@ -80,9 +82,9 @@ private:
     struct Tile {
         Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
             : normals(thread_normals),
-              sky_queue(p.whole_dag_, p.settings_.ao_stop),
+              sky_queue(p.whole_dag_, p.settings_.ao_stop, nullptr, p.walk_),
               lamp_queues(p.lamps_.size(),
-                          RayQueue(p.whole_dag_, {0, 0.0f, 0.0f}, &p.partitions_)) {
+                          RayQueue(p.whole_dag_, {0, 0.0f, 0.0f}, p.partitions_, p.walk_)) {
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
                     pixels.emplace_back(x, y);
@@ -117,7 +119,7 @@ private:
             tile.hits[k] = shared::make_miss(tile.rays[k].t_max, 0);
         }
         if (!options_.primary && !settings_.rays.sees_nothing() && start < tile.rays[0].t_max)
-            trace_closest_wide(whole_dag_, tile.rays, settings_.primary_stop, tile.hits);
+            trace_closest_wide(whole_dag_, tile.rays, settings_.primary_stop, tile.hits, walk_);
     }
 
     /// Has the rays traced by the caller. A hit then says when, and that there is no face.
@@ -263,7 +265,8 @@ private:
     const RenderOptions& options_;
     RenderSettings settings_;
     std::vector<Lamp> lamps_;
-    Partitions& partitions_;
+    Partitions* partitions_;
+    WideWalk walk_;
 };
 
 /// Counts finished pixels and tells about them, one thread at a time.
@@ -293,8 +296,11 @@ private:
 
 Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
     std::optional<Partitions> own;
-    if (options.partitions == nullptr) own.emplace(dag);
-    const Picture picture(dag, grid, options, own ? *own : *options.partitions);
+    if (options.wide && options.partitions == nullptr) own.emplace(dag);
+    const Picture picture(dag, grid, options,
+                          !options.wide ? nullptr
+                          : own         ? &*own
+                                        : options.partitions);
     Image image(options.width, options.height);
     tbb::enumerable_thread_specific<NormalCache> normals;
     Reporter reporter(options.progress, image.color.size());

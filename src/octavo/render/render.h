@@ -55,6 +55,7 @@ struct RenderOptions {
     bool level_of_detail = true;  // a primary ray stops at cells that look smaller than its
                                   // share of a pixel
     bool beam = true;             // 8x8-pixel beams; the picture is the same without
+    bool wide = true;             // rays in SIMD lanes, and tables of walls; the same, too
 
     PrimaryFunction primary = {};  // none: the voxels. Else what is seen comes from here, from
                                    // the triangles say, and the voxels give shadow and ambient

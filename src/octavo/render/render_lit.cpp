@@ -35,7 +35,7 @@ public:
           options_(options),
           camera_(options.camera.value_or(
               framing_camera(scene.objects.front().dag, scene.objects.front().grid, options))),
-          world_(scene, camera_.eye),
+          world_(scene, camera_.eye, options.wide ? WideWalk::by_size : WideWalk::one_by_one),
           rays_(camera_, world_.instances().grid(), options.width, options.height) {
         counts_ = {options.shadow_samples, std::max(1, options.ao_samples),
                    std::max(1, options.ao_samples / 4), options.shadows == Shadows::hard};

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "octavo/core/error.h"
-#include "octavo/trace/wide.h"
 
 namespace octavo {
 namespace {
@@ -57,10 +57,12 @@ bool touches(const Box& box, const dvec3& origin, const dvec3& inv, double t_min
 
 }  // namespace
 
-Instances::Instances(std::vector<Instance> objects) : objects_(std::move(objects)) {
+Instances::Instances(std::vector<Instance> objects, WideWalk walk)
+    : walk_(walk), objects_(std::move(objects)) {
     if (objects_.empty() || objects_.size() > kMostObjects)
         throw Error(Errc::bad_argument, "a scene has 1 to 2^20 objects");
     const dmat4 common = grid_matrix(objects_.front().grid);
+    std::map<const std::uint32_t*, std::shared_ptr<Partitions>> by_words;
     for (const Instance& object : objects_) {
         const dmat4& p = object.placement;
         Frame frame;
@@ -76,6 +78,11 @@ Instances::Instances(std::vector<Instance> objects) : objects_(std::move(objects
                 std::max(i == 0 ? 0.0 : frame.scale, glm::length(dvec3(frame.to_common[i])));
         const double side = std::ldexp(1.0, object.grid.depth);
         frame.box = transform(frame.to_common, Box{dvec3(0.0), dvec3(side)});
+        if (walk != WideWalk::one_by_one) {
+            std::shared_ptr<Partitions>& of_dag = by_words[object.dag.words().data()];
+            if (!of_dag) of_dag = std::make_shared<Partitions>(object.dag);
+            frame.partitions = of_dag;
+        }
         frames_.push_back(frame);
     }
     order_.resize(objects_.size());
@@ -168,7 +175,7 @@ void Instances::trace_closest(std::span<const shared::GridRay> rays, const share
                               std::span<InstanceHit> hits) const {
     std::vector<shared::GridHit> found(rays.size());
     if (objects_.size() == 1 && frames_[0].same) {
-        trace_closest_wide(objects_[0].dag, rays, stop, found);
+        trace_closest_wide(objects_[0].dag, rays, stop, found, walk_);
         for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = {0, rays[i], found[i]};
         return;
     }
@@ -184,7 +191,7 @@ void Instances::trace_closest(std::span<const shared::GridRay> rays, const share
             some.back().t_max = hits[i].hit.t;  // of the hit so far, or the ray's own
         }
         found.resize(some.size());
-        trace_closest_wide(objects_[object].dag, some, stop_in(object, stop), found);
+        trace_closest_wide(objects_[object].dag, some, stop_in(object, stop), found, walk_);
         for (std::size_t k = 0; k < some.size(); ++k)
             if (found[k].face != shared::kFaceNone)
                 hits[lists[object][k]] = {object, some[k], found[k]};
@@ -194,7 +201,8 @@ void Instances::trace_closest(std::span<const shared::GridRay> rays, const share
 void Instances::trace_any(std::span<const shared::GridRay> rays, const shared::Stop& stop,
                           std::span<std::uint8_t> occluded) const {
     if (objects_.size() == 1 && frames_[0].same)
-        return trace_any_wide(objects_[0].dag, rays, stop, occluded);
+        return trace_any_wide(objects_[0].dag, rays, stop, occluded, frames_[0].partitions.get(),
+                              walk_);
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     std::vector<std::vector<std::uint32_t>> lists(objects_.size());
     sort_rays(rays, lists);
@@ -210,7 +218,8 @@ void Instances::trace_any(std::span<const shared::GridRay> rays, const shared::S
             numbers.push_back(i);
         }
         found.resize(some.size());
-        trace_any_wide(objects_[object].dag, some, stop_in(object, stop), found);
+        trace_any_wide(objects_[object].dag, some, stop_in(object, stop), found,
+                       frames_[object].partitions.get(), walk_);
         for (std::size_t k = 0; k < some.size(); ++k) occluded[numbers[k]] |= found[k];
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "octavo/core/grid.h"
 #include "octavo/dag/dag.h"
 #include "octavo/trace/dag_view.h"
+#include "octavo/trace/partitions.h"
+#include "octavo/trace/wide.h"
 
 namespace octavo {
 
@@ -39,7 +42,7 @@ class Instances {
 public:
     /// @throws Error  bad_argument where there is no object, more than 2^20, or a placement that is
     ///                not finite, not affine or has no inverse
-    explicit Instances(std::vector<Instance> objects);
+    explicit Instances(std::vector<Instance> objects, WideWalk walk = WideWalk::by_size);
 
     [[nodiscard]] std::span<const Instance> objects() const { return objects_; }
     /// The frame of common space: where it lies in the scene.
@@ -59,6 +62,12 @@ public:
     /// A direction, or the normal of a surface, of unit length; from the object's space to common.
     [[nodiscard]] vec3 normal_to_common(std::uint32_t object, const vec3& normal) const;
 
+    /// Of the object's DAG, made as rays that run alike ask for them; nullptr where rays go one by
+    /// one.
+    [[nodiscard]] const Partitions* partitions(std::uint32_t object) const {
+        return frames_[object].partitions.get();
+    }
+
     /// @param hits  as long as `rays`; where a ray meets nothing, the hit has no face
     void trace_closest(std::span<const shared::GridRay> rays, const shared::Stop& stop,
                        std::span<InstanceHit> hits) const;
@@ -73,7 +82,8 @@ private:
         dmat4 to_object{1.0}, to_common{1.0};
         double scale = 1.0;  // voxels of common space to one of the object's, at most
         bool same = true;
-        Box box;  // common space
+        Box box;                                 // common space
+        std::shared_ptr<Partitions> partitions;  // of all copies of a DAG
     };
     struct Node {
         Box box;
@@ -87,6 +97,7 @@ private:
     [[nodiscard]] shared::GridRay ray_in(std::uint32_t object, const shared::GridRay& ray) const;
     [[nodiscard]] shared::Stop stop_in(std::uint32_t object, shared::Stop stop) const;
 
+    WideWalk walk_;
     std::vector<Instance> objects_;
     std::vector<Frame> frames_;
     std::vector<Node> nodes_;

@@ -13,9 +13,10 @@ namespace octavo {
 /// some thousand rays, or one group.
 class RayQueue {
 public:
-    /// @param partitions  as of trace_any_wide()
-    RayQueue(const Dag& dag, const shared::Stop& stop, Partitions* partitions = nullptr)
-        : dag_(dag), stop_(stop), partitions_(partitions) {}
+    /// @param partitions, walk  as of trace_any_wide()
+    RayQueue(const Dag& dag, const shared::Stop& stop, Partitions* partitions = nullptr,
+             WideWalk walk = WideWalk::by_size)
+        : dag_(dag), stop_(stop), partitions_(partitions), walk_(walk) {}
 
     /// Begins a group. @return its number, from 0
     std::size_t begin_group() {
@@ -35,7 +36,7 @@ public:
     /// Traces what is waiting. Call it before seen().
     void trace() {
         occluded_.resize(rays_.size());
-        trace_any_wide(dag_, rays_, stop_, occluded_, partitions_);
+        trace_any_wide(dag_, rays_, stop_, occluded_, partitions_, walk_);
         for (std::size_t i = 0; i < rays_.size(); ++i)
             if (occluded_[i] == 0) seen_[groups_[i]] += light_[i];
         rays_.clear();
@@ -54,6 +55,7 @@ private:
     const Dag& dag_;
     shared::Stop stop_;
     Partitions* partitions_;
+    WideWalk walk_;
     std::vector<shared::GridRay> rays_;
     std::vector<float> light_;
     std::vector<std::size_t> groups_;

@@ -16,6 +16,7 @@
 #include "octavo/light/cell_views.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/render_lit.h"
+#include "octavo/trace/partitions.h"
 #include "octavo/trace/wide.h"
 #include "octavo/voxelize/tile_rasterizer.h"
 
@@ -28,10 +29,11 @@ constexpr std::size_t kRaysPerTask = 1024;
 class CpuDag final : public DeviceDag {
 public:
     CpuDag(const Dag& dag, const Attributes& looks, const CellLight& cell_light)
-        : words(dag), attributes(looks), light(cell_light) {}
+        : words(dag), attributes(looks), light(cell_light), partitions(dag) {}
     Dag words;
     Attributes attributes;
     CellLight light;
+    mutable Partitions partitions;  // for all calls
 };
 
 const CpuDag& own(const DeviceDag& dag) {
@@ -75,7 +77,8 @@ public:
                      const shared::Stop& stop, std::span<std::uint32_t> occluded) override {
         return for_each_task(rays.size(), [&](std::size_t first, std::size_t count) {
             std::vector<std::uint8_t> found(count);
-            trace_any_wide(words(dag), rays.subspan(first, count), stop, found);
+            trace_any_wide(words(dag), rays.subspan(first, count), stop, found,
+                           &own(dag).partitions);
             std::ranges::copy(found, occluded.subspan(first, count).begin());
         });
     }
@@ -83,6 +86,7 @@ public:
     [[nodiscard]] Image render(const DeviceDag& dag, const Grid& grid,
                                const RenderOptions& options) override {
         RenderOptions own_looks = options;
+        if (options.partitions == nullptr) own_looks.partitions = &own(dag).partitions;
         if (options.attributes != nullptr) {
             if (own(dag).attributes.empty() && !words(dag).empty())
                 throw Error(Errc::bad_argument, "the DAG was uploaded without attributes");
@@ -106,7 +110,9 @@ public:
                     std::span<const vec3> normals, const VisibilityOptions& options,
                     std::span<float> shadow, std::span<float> ambient) override {
         const std::vector<dvec3> in_double(positions.begin(), positions.end());
-        octavo::visibility(words(dag), grid, in_double, normals, options, shadow, ambient);
+        VisibilityOptions kept = options;
+        if (options.partitions == nullptr) kept.partitions = &own(dag).partitions;
+        octavo::visibility(words(dag), grid, in_double, normals, kept, shadow, ambient);
     }
 
     void looks(const DeviceDag& dag, const Grid& grid, std::span<const vec3> positions,
