@@ -51,6 +51,15 @@ std::string cone_table(const std::vector<Cone>& cones) {
     return text;
 }
 
+std::string differences_line(const Differences& d) {
+    const double share = 100.0 / static_cast<double>(d.rays);
+    const auto of = [&](std::size_t count) { return share * static_cast<double>(count); };
+    return fmt::format(
+        "\nprimary hits: {:.2f} % agree, {:.2f} % graze, {:.2f} % at silhouettes, {:.2f} % later "
+        "or missed by voxels, {:.2f} % other\n",
+        of(d.agree), of(d.plane), of(d.beside), of(d.later), of(d.other));
+}
+
 }  // namespace
 
 std::string figures_table(const Figures& figures, const Setting& setting) {
@@ -62,6 +71,7 @@ std::string figures_table(const Figures& figures, const Setting& setting) {
     if (nanovdb)
         text += fmt::format("\nDAG {} bytes, NanoVDB {} bytes\n", grouped(setting.dag_bytes),
                             grouped(setting.nanovdb_bytes));
+    if (figures.differences.rays > 0) text += differences_line(figures.differences);
     if (setting.wide) text += cone_table(figures.cones);
     return text;
 }
@@ -102,6 +112,10 @@ Json figures_json(const Figures& figures, const Setting& setting) {
             r["nanovdb_agreed"] = row.nanovdb_agreed;
         }
     }
+    if (const Differences& d = figures.differences; d.rays > 0)
+        out["primary_differences"] = {{"rays", d.rays},   {"agree", d.agree},
+                                      {"graze", d.plane}, {"silhouette", d.beside},
+                                      {"later", d.later}, {"other", d.other}};
     for (const Cone& cone : figures.cones) {
         const auto n = static_cast<double>(std::max<std::size_t>(cone.points, 1));
         if (cone.points == 0) continue;

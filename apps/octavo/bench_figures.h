@@ -14,6 +14,7 @@ namespace octavo::cli {
 struct Figures {
     std::vector<Row> rows;
     std::vector<Cone> cones;
+    Differences differences{};  // of primary rays; of none: not asked for
 };
 
 /// What was asked for, and what of it is there.

@@ -34,10 +34,6 @@ double time_rays(std::size_t count, const Trace& trace) {
     return seconds_since(start);
 }
 
-std::ptrdiff_t as_signed(std::size_t i) {
-    return static_cast<std::ptrdiff_t>(i);
-}
-
 void count(Row& row, const RaySet& set, double one, double wide) {
     const double millions = 1e-6 * static_cast<double>(set.size());
     row.one.push_back(millions / one);
@@ -98,16 +94,17 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
             hits[i] = shared::trace_closest(view_, set.voxel_rays[i], {0, 0.0f, 0.0f});
     });
     double wide = one;
-    if (wide_)
+    if (wide_) {
+        std::vector<shared::GridRay> rays = set.voxel_rays;
         wide = time_rays(set.size(), [&](std::size_t first, std::size_t count) {
-            std::vector<shared::GridRay> rays(set.voxel_rays.begin() + as_signed(first),
-                                              set.voxel_rays.begin() + as_signed(first + count));
+            const auto some = std::span(rays).subspan(first, count);
             for (std::size_t i = 0; i < count; i += kTilePixels * kTilePixels)
                 start_at_beam(pixels, (first + i) / (kTilePixels * kTilePixels), size,
-                              std::span(rays).subspan(i, kTilePixels * kTilePixels));
-            trace_closest_wide(model_.dag, rays, {0, 0.0f, 0.0f},
+                              some.subspan(i, kTilePixels * kTilePixels));
+            trace_closest_wide(model_.dag, some, {0, 0.0f, 0.0f},
                                std::span(hits).subspan(first, count));
         });
+    }
     voxel_hits_ = hits;
     count(row, set, one, wide);
     if (device_ != nullptr) {
@@ -127,12 +124,8 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
     };
     compare(row, set, wide, embree(TriangleTracer::Width::one),
             embree(TriangleTracer::Width::sixteen));
-    for (std::size_t i = 0; i < set.size(); ++i) {
-        const bool hit = hits[i].face != shared::kFaceNone;
-        const float length = glm::length(set.voxel_rays[i].dir);
-        row.agreed += hit == std::isfinite(triangle_hits_[i].t) &&
-                      (!hit || std::abs(hits[i].t - triangle_hits_[i].t) * length < 4.0f);
-    }
+    for (std::size_t i = 0; i < set.size(); ++i)
+        row.agreed += agrees(set.voxel_rays[i], hits[i], triangle_hits_[i]);
 }
 
 void Race::any(Row& row, const RaySet& set, bool coherent) {

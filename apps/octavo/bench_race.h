@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench_differences.h"
 #include "bench_rays.h"
 #include "nanovdb_tracer.h"
 #include "octavo/backend/device.h"
@@ -60,6 +61,11 @@ public:
 
     /// `set`: kAmbientSamples rays for each point.
     void ambient_cone(Cone& cone, const RaySet& set) const;
+
+    /// Why the last primary rays' hits on voxels and triangles differ.
+    void differences(const RaySet& primary, Differences& sum) const {
+        count_differences(primary, model_.grid(), *triangles_, voxel_hits_, triangle_hits_, sum);
+    }
 
     /// Where the last primary rays met the triangles, or the voxels where there are none.
     [[nodiscard]] std::vector<SurfacePoint> surface(const RaySet& primary) const;

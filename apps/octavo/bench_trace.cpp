@@ -43,10 +43,11 @@ struct BenchArguments {
     std::string device;  // empty: none
     bool no_wide = false;
     bool nanovdb = false;
+    bool differences = false;
     bool json = false;
 };
 
-Figures fly(const Model& model, Race& race, const Flight& flight, int size) {
+Figures fly(const Model& model, Race& race, const Flight& flight, int size, bool differences) {
     Figures figures{std::vector<Row>(4), {{1.0}, {3.0}, {9.0}}};
     std::vector<Row>& rows = figures.rows;
     rows[0].name = "primary";
@@ -58,6 +59,7 @@ Figures fly(const Model& model, Race& race, const Flight& flight, int size) {
         const Camera camera = flight.camera(frame);
         const RaySet primary = primary_rays(camera, model.grid(), size);
         race.primary(rows[0], primary, PixelRays(camera, model.grid(), size, size), size);
+        if (differences) race.differences(primary, figures.differences);
         const std::vector<SurfacePoint> points = race.surface(primary);
         race.any(rows[1], hard_shadow_rays(points, model.grid(), to_sun), true);
         race.any(rows[2], soft_shadow_rays(points, model.grid(), to_sun, kSunRadius, kSoftSamples),
@@ -102,7 +104,7 @@ void run_trace(const BenchArguments& arguments) {
     Figures figures;
     with_threads(setting.threads, [&] {
         Race race(model, triangles.get(), nanovdb.get(), device.get(), setting.wide);
-        figures = fly(model, race, flight, arguments.size);
+        figures = fly(model, race, flight, arguments.size, arguments.differences);
         if (setting.wide) {
             setting.partitions = race.partitions().count();
             setting.partition_bytes = race.partitions().size_bytes();
@@ -132,10 +134,15 @@ void add_bench_trace(CLI::App& bench) {
     const auto arguments = std::make_shared<BenchArguments>();
     set_help(trace, kExamples);
     trace.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    CLI::Option* mesh =
+        trace
+            .add_option("--mesh", arguments->mesh,
+                        "The triangles it was built from, or sample:NAME: also race Embree on them")
+            ->type_name("SCENE");
     trace
-        .add_option("--mesh", arguments->mesh,
-                    "The triangles it was built from, or sample:NAME: also race Embree on them")
-        ->type_name("SCENE");
+        .add_flag("--differences", arguments->differences,
+                  "Also say why primary rays meet voxels elsewhere than triangles")
+        ->needs(mesh);
     trace.add_flag("--nanovdb", arguments->nanovdb,
                    "Also race NanoVDB's HDDA on the same voxels, and compare the memory");
     trace.add_flag("--no-wide", arguments->no_wide,

@@ -64,7 +64,11 @@ TEST(BenchTrace, AgreesWithEmbreeAboutMostRays) {
                                      " --size 8 --frames 1 --mesh sample:courtyard");
     if (asked.err.find("built without Embree") != std::string::npos)
         GTEST_SKIP() << "no Embree (libembree-dev)";
-    const Json figures = bench(folder, "--frames 1 --mesh sample:courtyard");
+    const Json figures = bench(folder, "--frames 1 --mesh sample:courtyard --differences");
+    const Json& why = figures.at("primary_differences");
+    EXPECT_EQ(why.at("rays"), 32 * 32);
+    EXPECT_EQ(why.at("agree"), figures.at("mrays_per_second").at("primary").at("agreed"));
+    EXPECT_EQ(why.at("later"), 0);  // a conservative voxel holds its triangle
     for (const char* kind : kKinds) {
         const Json& row = figures.at("mrays_per_second").at(kind);
         EXPECT_GT(row.at("agreed").get<double>(), 0.5 * row.at("rays").get<double>()) << kind;
