@@ -12,6 +12,7 @@
 #include "light_arguments.h"
 #include "lit_arguments.h"
 #include "octavo/io/octv.h"
+#include "octavo/mesh/png.h"
 #include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
 
@@ -22,17 +23,6 @@ constexpr int kMostSide = 4096;
 constexpr std::size_t kMostPages = 256;
 constexpr std::int64_t kAllLights = -2;  // of a wish
 
-/// The frames of one wish: each costs some times the one before.
-struct Stage {
-    int divisor;  // of the picture's sides
-    int samples;
-    int ao_samples;
-    int shadow_samples;
-    int jpeg_quality;  // 0: PNG
-};
-constexpr Stage kStages[] = {
-    {4, 1, 4, 1, 70}, {1, 1, 8, 2, 85}, {1, 4, 16, 4, 92}, {1, 16, 64, 16, 0}};
-
 using Json = nlohmann::json;
 
 dvec3 read_vec3(const Json& json, const char* key) {
@@ -42,21 +32,21 @@ dvec3 read_vec3(const Json& json, const char* key) {
     return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
 }
 
-std::string encode_jpeg(const Image& image, double exposure, int quality) {
-    const std::vector<std::uint8_t> rgb = screen_pixels(image, exposure);
+/// @param rgb      3 bytes a pixel
+/// @param quality  of JPEG; 0: PNG
+std::string encode(const std::vector<std::uint8_t>& rgb, int width, int height, int quality) {
+    if (quality == 0) {
+        const std::vector<std::byte> png = encode_png(rgb, width, height, PngChannels::rgb);
+        return {reinterpret_cast<const char*>(png.data()), png.size()};
+    }
     const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
     unsigned char* bytes = nullptr;
     unsigned long size = 0;
-    const int failed = tjCompress2(encoder.get(), rgb.data(), image.width, 0, image.height,
-                                   TJPF_RGB, &bytes, &size, TJSAMP_444, quality, TJFLAG_FASTDCT);
+    const int failed = tjCompress2(encoder.get(), rgb.data(), width, 0, height, TJPF_RGB, &bytes,
+                                   &size, TJSAMP_444, quality, TJFLAG_FASTDCT);
     const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(bytes, tjFree);
     if (failed != 0) throw Error(Errc::limit, "the picture cannot be encoded as JPEG");
     return {reinterpret_cast<const char*>(bytes), size};
-}
-
-std::string png_bytes(const Image& image, double exposure) {
-    const std::vector<std::byte> bytes = encode_png(image, exposure);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 std::string with_length(const std::string& bytes) {
@@ -71,7 +61,28 @@ void refuse(httplib::Response& response, const char* why) {
     response.set_content(why, "text/plain; charset=utf-8");
 }
 
+std::optional<PlainMode> read_mode(const Json& json) {
+    const std::string mode = json.at("mode").get<std::string>();
+    if (mode == "normals") return PlainMode::normals;
+    if (mode == "levels") return PlainMode::levels;
+    if (mode == "steps") return PlainMode::steps;
+    if (mode == "color") return PlainMode::color;
+    if (mode != "shaded") throw Error(Errc::bad_argument, "there is no such mode");
+    return std::nullopt;
+}
+
 }  // namespace
+
+/// The frames of one wish: each costs some times the one before.
+struct RemotePicture::Stage {
+    int divisor;  // of the picture's sides
+    int samples;
+    int ao_samples;
+    int shadow_samples;
+    int jpeg_quality;  // 0: PNG
+
+    [[nodiscard]] int part_of(int side) const { return std::max(1, side / divisor); }
+};
 
 RemotePicture::RemotePicture(const std::filesystem::path& file)
     : file_(file), model_(read_octv(file)) {
@@ -115,6 +126,21 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
     options.ao_samples = json.at("ambient").get<bool>() ? 1 : 0;
     options.ao_radius = json.at("reach").get<double>();
     options.smooth_normals = json.at("smooth").get<bool>();
+    const int level = json.at("level").get<int>();
+    const double detail = json.at("detail").get<double>();
+    if (!(detail >= 0.0 && detail <= 64.0)) throw Error(Errc::bad_argument, "out of range");
+    options.level_of_detail = detail > 0.0;
+    if (const std::optional<PlainMode> mode = read_mode(json)) {
+        wish.plain = PlainOptions{.mode = *mode,
+                                  .width = options.width,
+                                  .height = options.height,
+                                  .camera = *options.camera,
+                                  .up = options.up,
+                                  .smooth = options.smooth_normals,
+                                  .level = level,
+                                  .detail = detail};
+        return wish;
+    }
 
     if (!model_.attributes.empty()) options.attributes = &model_.attributes;
     wish.stored = json.at("stored").get<bool>() && model_.metadata.light && !model_.light.empty();
@@ -136,9 +162,30 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
     return wish;
 }
 
-Image RemotePicture::draw(const Wish& wish, const RenderOptions& options) const {
-    return wish.stored ? device_->render_cached(*on_device_, model_.grid(), options)
-                       : device_->render(*on_device_, model_.grid(), options);
+std::string RemotePicture::draw(const Wish& wish, const Stage& stage) {
+    if (wish.plain) return draw_plain(wish, stage);
+    RenderOptions options = wish.options;
+    options.width = stage.part_of(options.width);
+    options.height = stage.part_of(options.height);
+    options.samples = stage.samples;
+    options.ao_samples *= stage.ao_samples;
+    options.shadow_samples = stage.shadow_samples;
+    const Image image = wish.stored ? device_->render_cached(*on_device_, model_.grid(), options)
+                                    : device_->render(*on_device_, model_.grid(), options);
+    return encode(screen_pixels(image, wish.exposure), image.width, image.height,
+                  stage.jpeg_quality);
+}
+
+std::string RemotePicture::draw_plain(const Wish& wish, const Stage& stage) {
+    PlainOptions options = *wish.plain;
+    options.width = stage.part_of(options.width);
+    options.height = stage.part_of(options.height);
+    options.samples = stage.samples;
+    options.detail /= stage.divisor;  // of the same cells
+    const std::vector<std::uint8_t> rgb =
+        plain_picture(model_, options, [&] { return is_wanted(wish); });
+    return rgb.empty() ? std::string()
+                       : encode(rgb, options.width, options.height, stage.jpeg_quality);
 }
 
 bool RemotePicture::is_wanted(const Wish& wish) {
@@ -167,20 +214,13 @@ void RemotePicture::render(const std::string& body, httplib::Response& response)
     response.set_chunked_content_provider(
         "application/octet-stream", [this, wish](std::size_t, httplib::DataSink& sink) {
             try {
+                static constexpr Stage kStages[] = {
+                    {4, 1, 4, 1, 70}, {1, 1, 8, 2, 85}, {1, 4, 16, 4, 92}, {1, 16, 64, 16, 0}};
                 for (const Stage& stage : kStages) {
                     const std::lock_guard one_at_a_time(drawing_);
                     if (!is_wanted(*wish)) break;
-                    RenderOptions options = wish->options;
-                    options.width = std::max(1, options.width / stage.divisor);
-                    options.height = std::max(1, options.height / stage.divisor);
-                    options.samples = stage.samples;
-                    options.ao_samples *= stage.ao_samples;
-                    options.shadow_samples = stage.shadow_samples;
-                    const Image image = draw(*wish, options);
-                    const std::string frame =
-                        stage.jpeg_quality > 0
-                            ? encode_jpeg(image, wish->exposure, stage.jpeg_quality)
-                            : png_bytes(image, wish->exposure);
+                    const std::string frame = draw(*wish, stage);
+                    if (frame.empty()) break;
                     const std::string framed = with_length(frame);
                     if (!sink.write(framed.data(), framed.size())) return false;
                 }

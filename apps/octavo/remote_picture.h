@@ -10,11 +10,13 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "octavo/backend/device.h"
 #include "octavo/io/model.h"
 #include "octavo/render/render.h"
+#include "plain_picture.h"
 
 namespace octavo::cli {
 
@@ -42,9 +44,11 @@ public:
     void stop() { stopped_ = true; }
 
 private:
+    struct Stage;
     struct Wish {
         std::string page;
-        std::uint64_t number = 0;  // of the page's wishes
+        std::uint64_t number = 0;           // of the page's wishes
+        std::optional<PlainOptions> plain;  // a picture without light, in place of the rest
         RenderOptions options;
         bool stored = false;  // by the light of the file's cells
         double exposure = 0.0;
@@ -52,7 +56,9 @@ private:
     [[nodiscard]] Wish parse(const std::string& body) const;
     [[nodiscard]] bool is_wanted(const Wish& wish);
 
-    [[nodiscard]] Image draw(const Wish& wish, const RenderOptions& options) const;
+    /// The encoded picture; empty where nobody wants it any more.
+    [[nodiscard]] std::string draw(const Wish& wish, const Stage& stage);
+    [[nodiscard]] std::string draw_plain(const Wish& wish, const Stage& stage);
 
     std::filesystem::path file_;
     Model model_;

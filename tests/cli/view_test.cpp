@@ -342,7 +342,8 @@ TEST_F(View, SaysWhyItDoesNotStart) {
 }
 
 const std::string kWish =
-    R"({"page":"p","number":1,"width":64,"height":40,"eye":[0,10,15],"forward":[0,-0.3,-1],)"
+    R"({"page":"p","number":1,"mode":"shaded","level":17,"detail":1,)"
+    R"("width":64,"height":40,"eye":[0,10,15],"forward":[0,-0.3,-1],)"
     R"("up":[0,1,0],"fov":0.8,"shadows":"soft","ambient":true,"reach":2,"smooth":true,)"
     R"("stored":false,)"
     R"("light":-1,"azimuth":0.5,"elevation":0.7,"size":0.02,"exposure":0})";
@@ -366,7 +367,8 @@ TEST_F(View, RenderHereRefusesWishesThatMakeNoSense) {
          {std::string(), std::string("{}"), std::string("[1"), with("64", "100000"),
           with("64", "-1"), with("\"fov\":0.8", "\"fov\":0"), with("[0,-0.3,-1]", "[0,0,0]"),
           with("[0,10,15]", "[0,1e999,0]"), with("[0,10,15]", "\"x\""),
-          with("\"reach\":2", "\"reach\":\"far\"")})
+          with("\"reach\":2", "\"reach\":\"far\""), with("shaded", "blurred"),
+          with("\"detail\":1", "\"detail\":-1"), with("\"level\":17", "\"level\":[]")})
         EXPECT_EQ(status_of(post(view, view.path() + "render", body)), 400) << body;
     EXPECT_EQ(status_of(post(view, view.path() + "render", std::string(70000, ' '))), 413);
     EXPECT_EQ(status_of(post(view, "/render", kWish)), 404);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
 import './style.css';
-import { App } from './app';
+import { App } from './app/app';
 
 new App();

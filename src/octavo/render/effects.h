@@ -6,3 +6,5 @@
 
 #include "octavo/render/ambient_occlusion.h"
 #include "octavo/render/camera_ray.h"
+
+#include "octavo/render/plain_view.h"

@@ -5,16 +5,13 @@
 // strips small enough that the page stays quick. While programs are missing: previews, which sharpen as
 // well. The GPU never has more than one piece of work waiting.
 import type { Canvas } from './canvas';
-import type { Means, Renderer, Shot } from './renderer';
+import type { Means } from './needs';
+import { RayCounter } from './ray_counter';
+import type { Renderer } from './renderer';
+import { kLeastScale, kLeastStrip, liveScaleAfter, restScales, stripAfter } from './resolution';
+import type { Shot } from './shot';
 
-const kFrame = 33; // milliseconds: 30 frames a second
-const kStrip = 24; // for a strip of the picture at rest
-/** Pixels of a strip: where the way to the GPU is slow and varies, smaller ones would take for ever. */
-const kLeastStrip = 4096;
-const kRestAfter = 180; // without a change
-const kLeastScale = 0.125;
-/** The pictures at rest that come before the full one, of one sample each: where a GPU is slow, that one takes long. */
-const kSteps = [0.25, 0.5];
+const kRestAfter = 180; // milliseconds without a change
 const kProbeEvery = 500;
 /** While something moves, each frame makes the normals of one pixel in so many that lack one. */
 const kTurns = 8;
@@ -47,7 +44,7 @@ export class Engine {
     private turn = 0;
     private stripPixels = kLeastStrip;
     private scale = kLeastScale; // of the live picture
-    private step = 0; // of kSteps, and behind them the full picture
+    private restSizes: number[] = []; // scales of the picture at rest that are still to come
     private means: Means = 'none';
     private drewLast = false; // the last piece of work was no program's
     private changed = -Infinity;
@@ -65,6 +62,7 @@ export class Engine {
     private presented: Canvas | undefined;
     private screen = { width: 0, height: 0 };
     private wantsPresent = false;
+    private readonly counter: RayCounter;
 
     constructor(
         private readonly gl: WebGL2RenderingContext,
@@ -72,6 +70,7 @@ export class Engine {
         private readonly onFrame: () => void,
         private readonly onFault: (error: Error) => void,
     ) {
+        this.counter = new RayCounter(gl, renderer.machine.format);
         this.wake(); // for the first programs
     }
 
@@ -105,7 +104,7 @@ export class Engine {
 
     /** Has everything been drawn that will be? */
     get finished(): boolean {
-        return !this.plan || (this.means === 'all' && !this.restStale && this.step === kSteps.length && !!this.rest && this.rest.samples >= this.enough && this.presented === this.rest);
+        return !this.plan || (this.means === 'all' && !this.restStale && this.restSizes.length === 0 && !!this.rest && this.rest.samples >= this.enough && this.presented === this.rest);
     }
 
     get statistics(): EngineStatistics {
@@ -131,7 +130,7 @@ export class Engine {
     }
 
     private get enough(): number {
-        return Math.min(this.plan?.samples ?? 1, this.renderer.mostSamples);
+        return Math.min(this.plan?.samples ?? 1, this.renderer.machine.mostSamples);
     }
 
     private readonly tick = (): void => {
@@ -233,16 +232,10 @@ export class Engine {
     private drawRest(plan: Plan): void {
         if (this.restStale) {
             this.restStale = false;
-            // What is shown already need not be drawn again.
-            const shown = this.liveStale ? 0 : this.scale;
-            this.step = kSteps.findIndex((part) => part * plan.restScale > 1.2 * shown);
-            if (this.step < 0) this.step = kSteps.length;
+            this.restSizes = restScales(this.liveStale ? 0 : this.scale, plan.restScale);
             this.beginRest(plan);
         }
-        if (this.step < kSteps.length && this.rest!.samples > 0) {
-            this.step += 1;
-            this.beginRest(plan);
-        }
+        if (this.restSizes.length > 0 && this.rest!.samples > 0) this.beginRest(plan);
         const rest = this.rest!;
         if (rest.samples >= this.enough) {
             if (this.presented !== rest) this.show(rest);
@@ -262,7 +255,7 @@ export class Engine {
     }
 
     private beginRest(plan: Plan): void {
-        this.rest = this.sized(this.rest, (kSteps[this.step] ?? 1) * plan.restScale);
+        this.rest = this.sized(this.rest, this.restSizes.shift()!);
         this.rest.restart();
         this.restRow = 0;
         this.renderer.drawBeams(this.rest, this.shotFor(plan, this.rest));
@@ -298,7 +291,7 @@ export class Engine {
         this.pixelTimes = this.pixelTimes.filter(({ at }) => now - at < 1000);
         this.pixelTimes.push({ at: now, pixels: waiting.pixels });
         if (waiting.of === 'rest') {
-            this.stripPixels = Math.max(kLeastStrip, waiting.pixels * Math.max(0.25, Math.min(2, kStrip / took)));
+            this.stripPixels = stripAfter(waiting.pixels, took);
         } else {
             this.frameTimes = this.frameTimes.filter((time) => now - time < 1000);
             this.frameTimes.push(now);
@@ -306,7 +299,7 @@ export class Engine {
         }
         if (now - this.probed > kProbeEvery && this.presented && this.presented.samples > 0) {
             this.probed = now;
-            this.renderer.probeRays(this.presented);
+            this.counter.ask(this.presented);
             this.probeSamples = this.presented.samples;
         }
         return true;
@@ -314,15 +307,13 @@ export class Engine {
 
     private fitScale(took: number): void {
         const before = this.scale;
-        if (took > kFrame) this.scale *= Math.max(0.5, Math.sqrt((0.9 * kFrame) / took));
-        else if (took < 0.6 * kFrame) this.scale *= Math.min(1.5, Math.sqrt((0.8 * kFrame) / took));
-        this.scale = Math.max(kLeastScale, Math.min(1, this.scale));
+        this.scale = liveScaleAfter(before, took);
         // Nothing else sharpens a preview.
         if (this.means === 'preview' && this.scale > 1.2 * before) this.liveStale = true;
     }
 
     private collectProbe(): void {
-        const rays = this.renderer.collectRays();
+        const rays = this.counter.collect();
         if (rays !== undefined) this.raysPerSample = rays / this.probeSamples;
     }
 }

@@ -6,6 +6,11 @@ export const kUnits = {
 } as const;
 export type Sampler = keyof typeof kUnits;
 
+export function bindTexture(gl: WebGL2RenderingContext, sampler: Sampler, texture: WebGLTexture): void {
+    gl.activeTexture(gl.TEXTURE0 + kUnits[sampler]);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+}
+
 /** A program that the browser compiles while the page goes on; programs.ts knows when it may be used. */
 export class Program {
     private readonly program: WebGLProgram;

@@ -8,6 +8,7 @@ import sampling from '../../../src/octavo/light/sampling.h?raw';
 import ambientOcclusion from '../../../src/octavo/render/ambient_occlusion.h?raw';
 import shadow from '../../../src/octavo/light/shadow.h?raw';
 import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
+import plainView from '../../../src/octavo/render/plain_view.h?raw';
 import surface from '../../../src/octavo/light/surface.h?raw';
 import smoothNormal from '../../../src/octavo/light/smooth_normal.h?raw';
 import shading from '../../../src/octavo/light/shade.h?raw';
@@ -62,7 +63,7 @@ function assemble(rowBits: number, parts: string[]): string {
 }
 
 export function primaryText(rowBits: number): string {
-    return assemble(rowBits, [...kTrace, primaryMain]);
+    return assemble(rowBits, [...kTrace, plainView, primaryMain]);
 }
 
 export function normalText(rowBits: number): string {
@@ -93,7 +94,7 @@ export function shadeText(rowBits: number, parts: Parts): string {
 }
 
 export function viewsText(rowBits: number, parts: Parts): string {
-    return assemble(rowBits, [...kTrace, shading, surfaceOf(parts), ...looksOf(parts), viewsMain]);
+    return assemble(rowBits, [...kTrace, plainView, shading, surfaceOf(parts), ...looksOf(parts), viewsMain]);
 }
 
 export function storedText(rowBits: number, parts: Parts): string {
@@ -101,7 +102,7 @@ export function storedText(rowBits: number, parts: Parts): string {
 }
 
 export function previewText(rowBits: number): string {
-    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, surface, view, shading, previewMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, plainView, surface, view, shading, previewMain]);
 }
 
 export function beamText(rowBits: number): string {
@@ -109,7 +110,7 @@ export function beamText(rowBits: number): string {
 }
 
 export function pickText(rowBits: number): string {
-    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, view, shading, ...kLooks, pickMain]);
+    return assemble(rowBits, [sharedText, dag, traverse, beams, cameraRay, plainView, view, shading, ...kLooks, pickMain]);
 }
 
 export function presentText(): string {

@@ -8,7 +8,7 @@ layout(location = 3) out uvec4 emission;  // as bits
 
 void main() {
     GridRay ray = camera_ray(camera(), picked, vec2(0.5));
-    GridHit hit = trace_closest(dag_view(), ray, primary_stop);
+    GridHit hit = first_seen(dag_view(), ray, primary_stop);
     CellLook look;
     look.albedo = vec3(-1.0);
     look.emission = vec3(0.0);

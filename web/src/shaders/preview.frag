@@ -8,7 +8,7 @@ layout(location = 0) out vec4 sum;  // alpha: rays
 
 void main() {
     GridRay ray = camera_ray(camera(), pixel_of(ivec2(gl_FragCoord.xy)), vec2(0.5));
-    GridHit hit = trace_closest(dag_view(), ray, primary_stop);
+    GridHit hit = first_seen(dag_view(), ray, primary_stop);
     vec3 seen = sky_color(ray.dir, up);
     if (hit.face != kFaceNone) {
         vec3 normal = face_normal(ray, hit);

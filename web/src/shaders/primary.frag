@@ -11,7 +11,7 @@ void main() {
     GridRay ray = sample_ray(pixel_of(at));
     if (use_beam) ray.t_min = uintBitsToFloat(texelFetch(beam, at >> 3, 0).x);
     DagView dag = dag_view();
-    GridHit hit = trace_closest(dag, ray, primary_stop);
+    GridHit hit = first_seen(dag, ray, primary_stop);
     if (hit.face != kFaceNone) hit = move_to_open_face(dag, ray, hit);
     packed_hit = pack_hit(hit);
     if (smoothed && hit.face < kFaceInside && texelFetch(cache, slot_of(hit), 0).xyz != slot_key(hit))

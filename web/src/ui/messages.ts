@@ -35,12 +35,37 @@ export function faultNotice(kind: FaultKind, message: string, shown: boolean): v
     notice(titles[kind], message, helps[kind]);
 }
 
+export function noWebGlNotice(): void {
+    notice(
+        'This browser has no WebGL 2',
+        'The viewer draws with WebGL 2, which this browser lacks or has turned off.',
+        'Update the browser or its graphics driver, turn hardware acceleration on, or run octavo view --render-here.',
+    );
+}
+
+export function noSceneNotice(): void {
+    notice('Open a scene', 'Drop an .octv file on this page, or choose one.', 'octavo build makes them from meshes.');
+}
+
+export function fromDiskNotice(): void {
+    notice(
+        'This page was opened from a disk',
+        'Browsers do not let such a page read the files beside it. Serve the folder with any web server, or drop the .octv file here.',
+        'octavo export FILE --html PAGE.html writes one file that can be opened like this.',
+    );
+}
+
 export function toast(text: string, milliseconds = 2500): void {
     const element = byId('toast');
     element.textContent = text;
     element.classList.add('shown');
     clearTimeout(toastTimer);
     toastTimer = window.setTimeout(() => element.classList.remove('shown'), milliseconds);
+}
+
+/** To a screen reader, and to nobody else. */
+export function say(text: string): void {
+    byId('spoken').textContent = text;
 }
 
 /** @param part  0 to 1 */

@@ -19,7 +19,7 @@ export interface Offers {
     sceneDiagonal: number; // world units; 0: not known yet
     storedLight: boolean; // the file has light of its cells
     sunLight: boolean; // the light is the one that the panel turns
-    gpu: boolean; // this machine's GPU draws
+    drawnHere: boolean; // by this machine's GPU
 }
 
 type Sliders = Exclude<NumberSetting, 'light' | 'memory'>;
@@ -91,7 +91,7 @@ export class Panel {
         byId('cameras-row').hidden = offers.cameras.length === 0;
         byId('lights-row').hidden = offers.lights.length === 0;
         byId('row-sunAzimuth').hidden = byId('row-sunElevation').hidden = !offers.sunLight;
-        for (const id of ['row-memory', 'row-detail', 'row-finestLevel', 'row-scale', 'row-samples']) byId(id).hidden = !offers.gpu;
+        for (const id of ['row-memory', 'row-samples']) byId(id).hidden = !offers.drawnHere;
         byId('modes').hidden = offers.modes.length < 2;
         byId<HTMLInputElement>('finestLevel').max = String(offers.depth);
         this.show(this.settings);
@@ -119,6 +119,8 @@ export class Panel {
         for (const element of document.querySelectorAll<HTMLElement>('[data-for]')) {
             element.hidden = !element.dataset.for!.split(' ').includes(settings.mode);
         }
+        // Another machine chooses the level of what it shades.
+        byId('row-detail').hidden = byId('row-finestLevel').hidden = this.offers?.drawnHere === false && settings.mode === 'shaded';
         const byCells = settings.stored && this.offers?.storedLight === true;
         byId('row-stored').hidden = this.offers?.storedLight !== true;
         byId('direct-light').hidden = byCells;

@@ -39,3 +39,10 @@ export function shortFacts(facts: [string, string][]): string {
     const kept = facts.filter(([term]) => ['Path', 'Level', 'Colour'].includes(term));
     return kept.map(([term, value]) => `${term} ${value}`).join(' · ');
 }
+
+/** A sentence for a screen reader. */
+export function spokenFacts(facts: [string, string][]): string {
+    const value = new Map(facts);
+    const kept = ['Path', 'Level', 'Position', 'Distance', 'Colour'].filter((term) => value.has(term));
+    return `Voxel. ${kept.map((term) => `${term} ${value.get(term)}`).join('. ')}.`;
+}

@@ -112,6 +112,7 @@ export function framing(box: Box, axes: Axes, { aspect, clear }: Frame, towardsE
     const right = normalize(cross(forward, axes.y));
     const up = cross(right, forward);
     const slope = Math.tan(0.5 * verticalFov);
+    const wide = slope * aspect;
     let distance = 1e-12;
     for (let i = 0; i < 8; i += 1) {
         const toCorner: Vec3 = [
@@ -119,13 +120,17 @@ export function framing(box: Box, axes: Axes, { aspect, clear }: Frame, towardsE
             (((i >> 1) & 1) - 0.5) * size[1],
             ((i >> 2) - 0.5) * size[2],
         ];
-        const height = Math.abs(dot(toCorner, up)) / slope;
-        const width = Math.abs(dot(toCorner, right)) / (slope * aspect * clear);
-        distance = Math.max(distance, Math.max(height, width) - dot(toCorner, forward));
+        const ahead = dot(toCorner, forward);
+        const aside = dot(toCorner, right);
+        // The eye is moved aside by (1 - clear) * wide * distance, which near corners show more of.
+        const left = (-aside - wide * ahead) / (wide * clear);
+        const rightmost = (aside - wide * (2 * clear - 1) * ahead) / (wide * clear);
+        const height = Math.abs(dot(toCorner, up)) / slope - ahead;
+        distance = Math.max(distance, left, rightmost, height);
     }
     distance *= 1.04;
     const angles = anglesOf(axes, forward);
-    const target = add(centre, scale((1 - clear) * slope * aspect * distance, right));
+    const target = add(centre, scale((1 - clear) * wide * distance, right));
     return { eye: sub(target, scale(distance, forward)), ...angles, distance, verticalFov };
 }
 

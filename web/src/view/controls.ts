@@ -12,6 +12,8 @@ export interface ControlsHost {
     moveTo(camera: Camera): void;
     click(x: number, y: number): void; // CSS pixels of the picture
     doubleClick(x: number, y: number): void;
+    readMiddle(): void;
+    focusMiddle(): void;
     speedChanged(unitsPerSecond: number): void;
 }
 
@@ -21,8 +23,24 @@ const kClickSlop = 4; // pixels
 const kFast = 5;
 const kFlyKeys = ['KeyW', 'KeyA', 'KeyS', 'KeyD', 'KeyQ', 'KeyE'];
 
+interface Place {
+    x: number;
+    y: number;
+}
+/** How two fingers lie. */
+interface Spread {
+    middle: Place;
+    distance: number;
+}
+const spreadOf = ([a, b]: [Place, Place]): Spread => ({
+    middle: { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 },
+    distance: Math.max(1, Math.hypot(a.x - b.x, a.y - b.y)),
+});
+
 export class Controls {
-    private readonly pointers = new Map<number, { x: number; y: number }>();
+    private readonly pointers = new Map<number, Place>();
+    /** Two fingers and what they began with: the camera goes with them from there, so that no error adds up. */
+    private pinch: { camera: Camera; fingers: [Place, Place]; from: Spread } | undefined;
     private readonly held = new Set<string>();
     private fast = false;
     private button = 0;
@@ -59,42 +77,42 @@ export class Controls {
             this.travelled = 0;
         } else {
             this.travelled = Infinity;
+            this.beginPinch();
         }
         this.element.classList.add('turning');
     };
 
     private readonly onPointerMove = (event: PointerEvent): void => {
-        const before = this.pointers.get(event.pointerId);
+        const at = this.pointers.get(event.pointerId);
         const camera = this.host.camera();
-        if (!before || !camera) return;
-        const x = event.clientX - before.x;
-        const y = event.clientY - before.y;
+        if (!at || !camera) return;
+        const x = event.clientX - at.x;
+        const y = event.clientY - at.y;
+        at.x = event.clientX;
+        at.y = event.clientY;
         this.travelled += Math.hypot(x, y);
-        if (this.pointers.size === 1) {
-            before.x = event.clientX;
-            before.y = event.clientY;
-            if (this.travelled < kClickSlop) return;
-            if (this.button === 2 || this.button === 1 || event.ctrlKey) this.pan(camera, x, y);
-            else if (this.held.size > 0) this.look(camera, x, y);
-            else this.host.moveTo(orbited(camera, this.host.axes(), -kTurn * x, -kTurn * y));
-            return;
-        }
-        this.moveFingers(camera, before, event);
+        if (this.pinch) return this.goWithFingers(this.pinch);
+        if (this.travelled < kClickSlop) return;
+        if (this.button === 2 || this.button === 1 || event.ctrlKey) this.pan(camera, x, y);
+        else if (this.held.size > 0) this.look(camera, x, y);
+        else this.host.moveTo(orbited(camera, this.host.axes(), -kTurn * x, -kTurn * y));
     };
 
-    private moveFingers(camera: Camera, before: { x: number; y: number }, event: PointerEvent): void {
-        const other = [...this.pointers].find(([id]) => id !== event.pointerId)![1];
-        const distance = Math.hypot(before.x - other.x, before.y - other.y);
-        const middle = { x: (before.x + other.x) / 2, y: (before.y + other.y) / 2 };
-        before.x = event.clientX;
-        before.y = event.clientY;
-        const next = Math.hypot(before.x - other.x, before.y - other.y);
-        const pinched = dollied(camera, this.host.axes(), distance / Math.max(1, next), this.host.voxelSize());
-        this.pan(pinched, (before.x + other.x) / 2 - middle.x, (before.y + other.y) / 2 - middle.y);
+    private beginPinch(): void {
+        const camera = this.host.camera();
+        const [first, second] = [...this.pointers.values()];
+        this.pinch = camera && first && second ? { camera, fingers: [first, second], from: spreadOf([first, second]) } : undefined;
+    }
+
+    private goWithFingers({ camera, fingers, from }: NonNullable<typeof this.pinch>): void {
+        const to = spreadOf(fingers);
+        const nearer = dollied(camera, this.host.axes(), from.distance / to.distance, this.host.voxelSize());
+        this.pan(nearer, to.middle.x - from.middle.x, to.middle.y - from.middle.y);
     }
 
     private readonly onPointerEnd = (event: PointerEvent): void => {
         if (!this.pointers.delete(event.pointerId)) return;
+        this.beginPinch();
         if (this.pointers.size === 0) this.element.classList.remove('turning');
         if (event.type === 'pointerup' && this.button === 0 && this.travelled < kClickSlop) {
             this.host.click(event.offsetX, event.offsetY);
@@ -142,7 +160,8 @@ export class Controls {
         else if (way) this.host.moveTo(orbited(camera, axes, kKeyTurn * way[0], -kKeyTurn * way[1]));
         else if (event.key === '+' || event.key === '=') this.host.moveTo(dollied(camera, axes, 0.9, this.host.voxelSize()));
         else if (event.key === '-') this.host.moveTo(dollied(camera, axes, 1 / 0.9, this.host.voxelSize()));
-        else if (event.key === 'Enter') this.host.click(this.element.clientWidth / 2, this.element.clientHeight / 2);
+        else if (event.key === 'Enter' && event.shiftKey) this.host.focusMiddle();
+        else if (event.key === 'Enter') this.host.readMiddle();
         else return;
         event.preventDefault();
     };

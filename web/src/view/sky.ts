@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The sky that the file's light is of, from the text of octavo light's --sky.
-import type { StoredSky } from '../gl/renderer';
+import type { StoredSky } from '../gl/shot';
 import type { Vec3 } from './vec';
 
 const kBlack = 0;

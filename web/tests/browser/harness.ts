@@ -140,10 +140,14 @@ export interface Opened {
 /** Settings that a processor can draw. */
 export const quick = 'smooth=0&samples=2&scale=25';
 
-export async function open(url: string, width = 800, height = 240, script?: string): Promise<Opened> {
-    const context = await browser!.newContext({ viewport: { width, height }, acceptDownloads: true, hasTouch: true });
+/** @param stopped  its clock goes only where the test lets it: page.clock */
+export async function open(url: string, width = 800, height = 240, script?: string, stopped = false): Promise<Opened> {
+    const context = await browser!.newContext({
+        viewport: { width, height }, acceptDownloads: true, hasTouch: true, permissions: ['clipboard-read', 'clipboard-write'],
+    });
     contexts.push(context);
     const page = await context.newPage();
+    if (stopped) await page.clock.install();
     const faults: string[] = [];
     page.on('pageerror', (error) => faults.push(error.message));
     page.on('console', (message) => {
@@ -152,6 +156,11 @@ export async function open(url: string, width = 800, height = 240, script?: stri
     if (script) await page.addInitScript(script);
     await page.goto(url);
     return { page, faults };
+}
+
+/** Waits until the scene is there, and can be asked what is where. */
+export async function ready(page: Page): Promise<void> {
+    await page.waitForFunction(() => document.querySelector('#statistics')!.childElementCount > 0 && document.querySelector<HTMLElement>('#loading')!.hidden);
 }
 
 /** Waits until the picture is as good as it gets. Whatever changes it makes it `drawing` at once. */
@@ -165,6 +174,26 @@ export async function saved(page: Page): Promise<PNG> {
     await page.evaluate(() => document.querySelector<HTMLElement>('#screenshot')!.click());
     return PNG.sync.read(readFileSync((await (await coming).path())!));
 }
+
+/** In the court of the courtyard. */
+export const kCamera = { eye: [-14.1, 2.7, 1.8], azimuth: 100.2, elevation: 2, distance: 20 };
+export const kPlace = `eye=${kCamera.eye.join()}&look=${kCamera.azimuth},${kCamera.elevation},${kCamera.distance}&fov=45`;
+export const kLook = `${kPlace}&light=-1&sun=-30&height=50`;
+
+/** The courtyard at rest. */
+export async function shown(fragment = quick, height = 240): Promise<Opened> {
+    const opened = await open(`${await view(courtyard())}#${fragment}`, 800, height);
+    await rest(opened.page);
+    return opened;
+}
+
+export const text = (page: Page, selector: string): Promise<string> => page.locator(selector).innerText();
+/** Moves a slider. */
+export const set = (page: Page, id: string, value: number): Promise<void> =>
+    page.locator(`#${id}`).evaluate((input: HTMLInputElement, to) => {
+        input.value = String(to);
+        input.dispatchEvent(new Event('input', { bubbles: true }));
+    }, value);
 
 export interface Difference {
     pixels: number; // part of them that differ by more than the eye forgives

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 import { describe, expect, it } from 'vitest';
-import { FrameSplitter } from '../../src/remote_painter';
-import { type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, directionAt, dollied, forwardOf, orbited, targetOf } from '../../src/view/camera';
+import { FrameSplitter } from '../../src/painters/frame_splitter';
+import { type Camera, anglesOf, axesOf, cameraUniforms, defaultCamera, directionAt, dollied, forwardOf, framing, orbited, targetOf } from '../../src/view/camera';
 import { linkOf, readLink } from '../../src/view/link';
 import { kDefaults } from '../../src/view/settings';
-import { length, sub } from '../../src/view/vec';
+import { type Vec3, length, sub } from '../../src/view/vec';
 
 const y = axesOf('y');
 const camera: Camera = { eye: [4.25, -2.5, 1e3 / 3], azimuth: 2.1, elevation: -0.4, distance: 12.5, verticalFov: 0.8 };
@@ -48,19 +48,29 @@ describe('cameras', () => {
             expect([azimuth, elevation]).toEqual([expect.closeTo(2.1, 9), expect.closeTo(-0.4, 9)]);
         }
     });
-    it.each([1, 0.7])('see the whole box by default in the %d of the width that is clear', (clear) => {
-        const box = { low: [0, 0, 0] as [number, number, number], high: [10, 4, 6] as [number, number, number] };
-        const grid = { origin: [0, 0, 0] as [number, number, number], voxelSize: 1, depth: 4 };
-        const view = cameraUniforms(defaultCamera(box, y, { aspect: 1.5, clear }), y, grid, 300, 200);
-        for (let i = 0; i < 8; i += 1) {
-            const corner = [0, 1, 2].map((axis) => ((i >> axis) & 1 ? box.high : box.low)[axis]!);
-            const way = corner.map((value, axis) => value - view.cell[axis]! - view.frac[axis]!);
-            const along = (v: number[]): number => way.reduce((sum, value, axis) => sum + value * v[axis]!, 0);
-            const depth = along(view.forward);
-            const [x, down] = [view.right, view.down].map((v) => along(v) / view.pitch ** 2 / depth) as [number, number];
-            expect(x).toBeGreaterThan(-150);
-            expect(x).toBeLessThan(300 * clear - 150);
-            expect(Math.abs(down)).toBeLessThan(100);
+    it.each([1, 0.7, 0.5])('see the whole box from every side in the %d of the width that is clear', (clear) => {
+        const box = { low: [0, 0, 0] as Vec3, high: [10, 4, 6] as Vec3 };
+        const grid = { origin: [0, 0, 0] as Vec3, voxelSize: 1, depth: 4 };
+        const frame = { aspect: 1.5, clear };
+        const sides: Vec3[] = [[1, 0, 0], [-1, 0.1, 0.2], [0, 0.2, 1], [0.3, -0.4, -1], [0.1, 1, 0]];
+        for (const seen of [defaultCamera(box, y, frame), ...sides.map((side) => framing(box, y, frame, side, 0.9))]) {
+            const view = cameraUniforms(seen, y, grid, 300, 200);
+            let [widest, highest] = [0, 0];
+            for (let i = 0; i < 8; i += 1) {
+                const corner = [0, 1, 2].map((axis) => ((i >> axis) & 1 ? box.high : box.low)[axis]!);
+                const way = corner.map((value, axis) => value - view.cell[axis]! - view.frac[axis]!);
+                const along = (v: number[]): number => way.reduce((sum, value, axis) => sum + value * v[axis]!, 0);
+                const depth = along(view.forward);
+                const [x, down] = [view.right, view.down].map((v) => along(v) / view.pitch ** 2 / depth) as [number, number];
+                expect(depth).toBeGreaterThan(0);
+                expect(x).toBeGreaterThan(-150);
+                expect(x).toBeLessThan(300 * clear - 150);
+                expect(Math.abs(down)).toBeLessThan(100);
+                widest = Math.max(widest, x + 150, 300 * clear - x - 150);
+                highest = Math.max(highest, Math.abs(down));
+            }
+            // No farther away than need be: some corner is near the frame.
+            expect(Math.max(widest / (300 * clear), highest / 100)).toBeGreaterThan(0.9);
         }
     });
     it('stay exact far from the grid', () => {

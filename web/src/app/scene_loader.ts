@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-import LoaderWorker from './octv/worker?worker&inline';
-import type { Order, Origin, Report } from './octv/worker';
+import LoaderWorker from '../octv/worker?worker&inline';
+import type { Order, Origin, Report } from '../octv/worker';
 
 /** One file on its way into the page. */
 export class SceneLoader {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-import { type CellLayout, kCellArrays } from './octv/cells';
-import type { Metadata } from './octv/metadata';
-import type { Origin } from './octv/worker';
-import { megabytes, rounded } from './ui/numbers';
-import type { Box } from './view/camera';
+import { type CellLayout, kCellArrays } from '../octv/cells';
+import type { Metadata } from '../octv/metadata';
+import { megabytes, rounded } from '../ui/numbers';
+import type { Box } from '../view/camera';
 
 /** One file that is shown, or on its way. */
 export interface Scene {
     name: string;
-    origin: Origin;
     metadata: Metadata;
     fileBytes: number;
     loadedBytes: number;
@@ -16,6 +14,7 @@ export interface Scene {
     levelsWanted: number; // what fits
     box: Box | undefined; // of the voxels, world space
     cells: CellLayout | undefined; // what cells look like, when all of it is there
+    cellsToCome: CellLayout | undefined; // that the GPU has room for
     done: boolean;
 }
 
@@ -25,9 +24,15 @@ export function openLevel(scene: Scene): number {
     return scene.loadedLevels >= depth - 1 ? depth : scene.loadedLevels;
 }
 
-/** Is the light of the cells there? */
-export function hasStoredLight(scene: Scene): boolean {
-    return scene.metadata.storedLight !== undefined && scene.cells?.begins[kCellArrays.indexOf('LITE')] !== undefined;
+/** @param here  is what cells look like needed here, or does another machine have it? */
+export function hasColors(scene: Scene, here: boolean): boolean {
+    return scene.metadata.attributes !== undefined && (!here || scene.cells !== undefined);
+}
+
+/** Is the light of the cells there? @param here  as of hasColors() */
+export function hasStoredLight(scene: Scene, here = true): boolean {
+    if (scene.metadata.storedLight === undefined) return false;
+    return !here || scene.cells?.begins[kCellArrays.indexOf('LITE')] !== undefined;
 }
 
 export function sceneFacts({ metadata }: Scene): [string, string][] {

@@ -2,35 +2,14 @@
 //
 // Another machine draws: octavo view --render-here. It gets what is wished for, and answers with
 // pictures that grow sharper.
-
+import type { FoundCell } from '../ui/voxel_facts';
+import { cameraUniforms } from '../view/camera';
+import { add, scale } from '../view/vec';
+import { FrameSplitter } from './frame_splitter';
 import type { Painter, View } from './painter';
-import type { FoundCell } from './ui/voxel_facts';
-import { cameraUniforms } from './view/camera';
-import { type Wish, wishOf } from './view/shot';
-import { add, scale } from './view/vec';
+import { type Wish, wishOf } from './wish';
 
 const kFrames = 4; // of one view, each sharper than the one before
-
-/** Takes the frames out of an answer: each comes behind its length in four bytes. */
-export class FrameSplitter {
-    private bytes = new Uint8Array(0);
-
-    add(piece: Uint8Array): Uint8Array<ArrayBuffer>[] {
-        const joined = new Uint8Array(this.bytes.length + piece.length);
-        joined.set(this.bytes);
-        joined.set(piece, this.bytes.length);
-        this.bytes = joined;
-        const frames: Uint8Array<ArrayBuffer>[] = [];
-        while (this.bytes.length >= 4) {
-            const view = new DataView(this.bytes.buffer, this.bytes.byteOffset);
-            const end = 4 + view.getUint32(0, true);
-            if (this.bytes.length < end) break;
-            frames.push(this.bytes.slice(4, end));
-            this.bytes = this.bytes.slice(end);
-        }
-        return frames;
-    }
-}
 
 export class RemotePainter implements Painter {
     private readonly page = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, '0')).join('');

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// What a view asks for: of this machine's GPU, and of another machine.
-import type { Shot } from '../gl/renderer';
+// What a view asks of this machine's GPU.
+import { hasStoredLight, openLevel } from '../app/scene';
+import type { Shot } from '../gl/shot';
 import type { Metadata } from '../octv/metadata';
-import type { View } from '../painter';
-import { hasStoredLight, openLevel } from '../scene';
-import { cameraUniforms, diagonalOf, forwardOf } from './camera';
-import { type PlacedLamps, placeLamps } from './lamps';
-import { lightsOf } from './lights';
-import { storedSky } from './sky';
+import { cameraUniforms, diagonalOf } from '../view/camera';
+import { type PlacedLamps, placeLamps } from '../view/lamps';
+import { lightsOf } from '../view/lights';
+import { storedSky } from '../view/sky';
+import type { View } from './painter';
 
 /** Keeps the lamps as long as they are the same, so that they are placed and uploaded once. */
 export class LampPlacer {
@@ -44,49 +44,5 @@ export function shotOf({ scene, camera, settings, axes }: View, lamps: PlacedLam
         skyRadius: (0.01 * settings.ambientRadius * diagonalOf(scene.box!)) / grid.voxelSize,
         shadows: settings.shadows,
         lamps,
-    };
-}
-
-/** As the server of octavo view --render-here takes it. */
-export interface Wish {
-    width: number;
-    height: number;
-    eye: number[];
-    forward: number[];
-    up: number[];
-    fov: number;
-    shadows: string;
-    ambient: boolean;
-    reach: number; // world units
-    smooth: boolean;
-    stored: boolean; // by the light of the file's cells
-    light: number;
-    azimuth: number; // of the sun; radians
-    elevation: number;
-    size: number;
-    exposure: number;
-}
-
-const kMostSide = 4096; // pixels, of another machine's picture
-
-export function wishOf({ scene, camera, settings, axes }: View, canvas: { width: number; height: number }): Wish {
-    const radians = Math.PI / 180;
-    return {
-        width: Math.min(kMostSide, canvas.width),
-        height: Math.min(kMostSide, canvas.height),
-        eye: camera.eye,
-        forward: forwardOf(camera, axes),
-        up: axes.y,
-        fov: camera.verticalFov,
-        shadows: settings.shadows,
-        ambient: settings.ambient,
-        reach: 0.01 * settings.ambientRadius * diagonalOf(scene.box!),
-        smooth: settings.smooth,
-        stored: settings.stored && scene.metadata.storedLight !== undefined,
-        light: settings.light,
-        azimuth: settings.sunAzimuth * radians,
-        elevation: settings.sunElevation * radians,
-        size: settings.sunSize * radians,
-        exposure: settings.exposure,
     };
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-import type { Scene } from './scene';
-import type { FoundCell } from './ui/voxel_facts';
-import type { Axes, Camera } from './view/camera';
-import type { Settings } from './view/settings';
+import type { Scene } from '../app/scene';
+import type { FoundCell } from '../ui/voxel_facts';
+import type { Axes, Camera } from '../view/camera';
+import type { Settings } from '../view/settings';
 
 /** One picture that is asked for: of what, from where, and how. */
 export interface View {
