@@ -165,11 +165,13 @@ export class Opening {
     private showProgress(): void {
         const { scene } = this;
         if (!scene || scene.done) return;
-        const levels = Math.min(scene.metadata.grid.depth - 1, scene.levelsWanted);
+        const { grid, attributes, storedLight } = scene.metadata;
+        const levels = Math.min(grid.depth - 1, scene.levelsWanted);
+        const behind = attributes && scene.loadedLevels === grid.depth - 1; // what comes behind the levels
         showLoading(
             `${megabytes(scene.loadedBytes)} of ${megabytes(scene.fileBytes)}`,
             scene.loadedBytes / scene.fileBytes,
-            `level ${scene.loadedLevels} of ${levels}`,
+            behind ? `colours${storedLight ? ' and light' : ''}` : `level ${scene.loadedLevels} of ${levels}`,
         );
     }
 }

@@ -100,7 +100,8 @@ export class Renderer {
     /** The times before which no ray of a block meets anything. Once, before the first sample. */
     drawBeams(canvas: Canvas, shot: Shot): void {
         const beams = this.programs.part('beam');
-        canvas.hasBeams = beams !== undefined && shot.depth > 0 && shot.camera.before === 0;
+        // Where the steps themselves are shown, a ray takes all of its own.
+        canvas.hasBeams = beams !== undefined && shot.depth > 0 && shot.camera.before === 0 && shot.mode !== 'steps';
         if (!beams || !canvas.hasBeams) return;
         const { gl } = this;
         this.begin(beams, canvas.width, canvas.height, shot);

@@ -29,16 +29,18 @@ export function shotOf({ scene, camera, settings, axes }: View, lamps: PlacedLam
     const { grid } = scene.metadata;
     const uniforms = cameraUniforms(camera, axes, grid, canvas.width, canvas.height);
     const level = Math.min(openLevel(scene), settings.finestLevel);
+    const stored = settings.mode === 'shaded' && settings.stored && hasStoredLight(scene);
     return {
         camera: uniforms,
         depth: scene.loadedLevels > 0 ? grid.depth : 0,
         gridDepth: grid.depth,
         stopHeight: grid.depth - level,
-        cone: settings.detail * uniforms.pitch,
+        // Light is stored around surfaces as they are: larger cells stand out into the dark.
+        cone: stored ? 0 : settings.detail * uniforms.pitch,
         mode: settings.mode,
         smooth: settings.smooth,
         cells: scene.metadata.attributes !== undefined,
-        stored: settings.stored && hasStoredLight(scene) ? storedSky(scene.metadata.storedLight!.sky) : undefined,
+        stored: stored ? storedSky(scene.metadata.storedLight!.sky) : undefined,
         up: axes.y,
         skySamples: settings.ambient ? 4 : 0,
         skyRadius: (0.01 * settings.ambientRadius * diagonalOf(scene.box!)) / grid.voxelSize,

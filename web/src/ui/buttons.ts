@@ -24,7 +24,7 @@ export function bindButtons(actions: Actions): void {
         'copy-link': () => actions.copyLink(),
         'open-file': chooseFile,
         theme: otherTheme,
-        help: () => byId<HTMLDialogElement>('help-dialog').showModal(),
+        help: showHelp,
         'toggle-panel': () => togglePanel(),
         'notice-open': chooseFile,
         'notice-close': hideNotice,
@@ -49,6 +49,13 @@ export function bindButtons(actions: Actions): void {
         else if (!actions.chooseMode(Number(event.key) - 1)) return;
         event.preventDefault();
     });
+}
+
+/** From its beginning, though its button at the end has the focus. */
+function showHelp(): void {
+    const dialog = byId<HTMLDialogElement>('help-dialog');
+    dialog.showModal();
+    dialog.scrollTop = 0;
 }
 
 export function bindDropping(open: Actions['open']): void {

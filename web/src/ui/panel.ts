@@ -119,9 +119,11 @@ export class Panel {
         for (const element of document.querySelectorAll<HTMLElement>('[data-for]')) {
             element.hidden = !element.dataset.for!.split(' ').includes(settings.mode);
         }
-        // Another machine chooses the level of what it shades.
-        byId('row-detail').hidden = byId('row-finestLevel').hidden = this.offers?.drawnHere === false && settings.mode === 'shaded';
         const byCells = settings.stored && this.offers?.storedLight === true;
+        // Another machine chooses the level of what it shades; stored light is for voxels.
+        const elsewhere = this.offers?.drawnHere === false && settings.mode === 'shaded';
+        byId('row-finestLevel').hidden = elsewhere;
+        byId('row-detail').hidden = elsewhere || (byCells && settings.mode === 'shaded');
         byId('row-stored').hidden = this.offers?.storedLight !== true;
         byId('direct-light').hidden = byCells;
         const legend = settings.mode === 'levels' || settings.mode === 'steps';

@@ -244,6 +244,7 @@ describe('controls', () => {
         const { page } = await shown();
         await page.keyboard.press('h');
         expect(await page.locator('#help-dialog').isVisible()).toBe(true);
+        expect(await page.locator('#help-dialog').evaluate((dialog) => dialog.scrollTop), 'from its beginning').toBe(0);
         const listed = await page.locator('#help-dialog kbd').allInnerTexts();
         expect(listed.join(' '), 'all keys that are tested, and no others').toBe('+ − W A S D Q E Shift Enter Shift Enter F 1 4 P C O H');
         await page.keyboard.press('Escape');

@@ -18,7 +18,7 @@ describe('the picture', () => {
         ['hard shadows, no ambient occlusion', courtyard, `${kLook}&samples=8&smooth=0&shadows=hard&ambient=0`, [...kSun, '--flat', '--shadows', 'hard', '--ao', '0', '--samples', '8'], [160, 100]],
         ['colours', colouredCourtyard, `${kLook}&samples=4&smooth=0`, [...kSun, '--flat', '--ao', '16', '--samples', '4', '--shadow-samples', '4'], [160, 100]],
         ['lamps of every kind', courtyardWithLamps, `${kPlace}&samples=4&smooth=0`, ['--flat', '--ao', '16', '--samples', '4', '--shadow-samples', '4'], [160, 100]],
-        ['stored light', litCourtyard, `${kPlace}&samples=4&smooth=0&detail=0`, ['--gi', 'cached', '--flat', '--samples', '4'], [160, 100]],
+        ['stored light', litCourtyard, `${kPlace}&samples=4&smooth=0`, ['--gi', 'cached', '--flat', '--samples', '4'], [160, 100]],
     ] as [string, () => string | Promise<string>, string, string[], [number, number]][])('is that of octavo render: %s', async (name, scene, fragment, options, [width, height]) => {
         const file = await scene();
         const expected = join(folder, 'expected.png');

@@ -32,8 +32,8 @@ describe('a machine that draws', () => {
 
     it('shows what the page itself would without light, in every mode', async () => {
         const fragment = `${kLook}&samples=16&smooth=0&level=5&scale=100`;
-        const here = await open(`${await view(colouredCourtyard())}#${fragment}`, 320, 160);
-        const there = await open(`${await view(colouredCourtyard(), '--render-here')}#${fragment}`, 320, 160);
+        const here = await open(`${await view(colouredCourtyard())}#${fragment}`, 200, 120);
+        const there = await open(`${await view(colouredCourtyard(), '--render-here')}#${fragment}`, 200, 120);
         await Promise.all([rest(here.page), rest(there.page)]);
         const modes = (page: typeof here.page): Promise<string[]> => page.locator('#modes button').allInnerTexts();
         expect(await modes(there.page)).toEqual(await modes(here.page));
