@@ -126,6 +126,19 @@ TEST(BuildSlow, KeepsAMemoryCapThatAttributesWouldPassAndGivesTheSameFile) {
     EXPECT_EQ(run_shell(folder.path(), "cmp free.octv capped.octv").code, 0);
 }
 
+/// What is known of each triangle is mapped from disk: a million of them in a few tiles may not all
+/// be in memory until the next tile begins.
+TEST(BuildSlow, KeepsAMemoryCapWhereOneTileLooksAtNearlyAllTriangles) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_shell(folder.path(), "octavo sample hairball --size 0.6 -o threads.ply").code, 0);
+    const std::string build =
+        "octavo build threads.ply -r 256 --attributes color,emission,normal --threads 2 -q ";
+    const std::uint64_t peak = peak_of(folder.path(), build + "-o capped.octv --max-memory 104M");
+    EXPECT_LE(peak, std::uint64_t{104} << 20);
+    (void)peak_of(folder.path(), build + "-o free.octv");
+    EXPECT_EQ(run_shell(folder.path(), "cmp free.octv capped.octv").code, 0);
+}
+
 TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
     const TemporaryFolder folder;
     const Outcome outcome =

@@ -74,7 +74,10 @@ public:
           cells_(dag, options.level),
           surfaces_(surfaces),
           tile_depth_(triangles.tile_depth()),
-          averagers_([&] { return TileAverager(cells_, triangles, surfaces_, options_); }) {
+          averagers_([&] {
+              return TileAverager(cells_, triangles, surfaces_, options_,
+                                  on_disk_ ? [this] { check_memory(); } : std::function<void()>());
+          }) {
         wanted_[static_cast<unsigned>(Channel::color)] = options.color;
         wanted_[static_cast<unsigned>(Channel::emission)] =
             options.emission && surfaces_.greatest_emission() > 0.0f;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "octavo/core/morton.h"
 
@@ -14,6 +15,8 @@ constexpr std::uint32_t kNoNumber = 0xffffffffu;
 constexpr double kAreaUnits = 4294967296.0;  // of a cell's face
 constexpr double kNormalUnits = 16384.0;
 constexpr std::size_t kMostPartsUnderCap = 65536;
+// Linux maps up to 64 kB around what is looked at: 4 MiB at most for what is known of them.
+constexpr int kTrianglesBeforeRoom = 64;
 // Triangles that face further away from the front than this are the back: some 105 degrees.
 constexpr float kOpposed = -0.25f;
 
@@ -105,11 +108,13 @@ private:
 };
 
 TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles,
-                           const SurfaceSampler& surfaces, const AttributeOptions& wanted)
+                           const SurfaceSampler& surfaces, const AttributeOptions& wanted,
+                           std::function<void()> make_room)
     : cells_(cells),
       triangles_(triangles),
       surfaces_(surfaces),
       wanted_(wanted),
+      make_room_(std::move(make_room)),
       tile_depth_(triangles.tile_depth()),
       unit_(std::ldexp(1.0, -triangles.frame().fraction_bits)),
       kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
@@ -126,7 +131,7 @@ void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues
     const auto count = static_cast<std::uint32_t>(codes_.size());
     std::uint32_t at_once = count;
     for (begin_ = 0; begin_ < count; begin_ = end_) {
-        end_ = begin_ + std::min(at_once, count - begin_);
+        take_cells(begin_, begin_ + std::min(at_once, count - begin_));
         facets_.clear();
         parts_.clear();
         for_each_triangle(
@@ -143,10 +148,23 @@ std::span<const std::uint32_t> TileAverager::parts_of(std::uint32_t cell) const 
     return std::span(part_order_).subspan(first, end - first);
 }
 
+void TileAverager::take_cells(std::uint32_t begin, std::uint32_t end) {
+    begin_ = begin;
+    end_ = end;
+    constexpr double kFar = std::numeric_limits<double>::max();
+    near_ = {dvec3(-kFar), dvec3(kFar)};
+    if (end - begin == codes_.size()) return;
+    near_ = {};
+    for (std::uint32_t cell = begin; cell < end; ++cell)
+        near_.extend(dvec3(morton_decode(codes_[cell])));
+    // The cells themselves, and one more as a triangle between two layers is in both.
+    near_ = {near_.low - 1.0, near_.high + 2.0};
+}
+
 /// Half of the cells wait for the next time.
 void TileAverager::take_fewer_cells() {
     if (end_ - begin_ < 2) return;
-    end_ = begin_ + (end_ - begin_) / 2;
+    take_cells(begin_, begin_ + (end_ - begin_) / 2);
     std::erase_if(parts_, [&](const Part& part) { return part.cell >= end_; });
 }
 
@@ -199,6 +217,14 @@ TileAverager::Facet TileAverager::facet_of(const TrianglePieces& pieces) {
 }
 
 void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
+    const auto& [a, b, c] = corners;
+    if (glm::any(glm::lessThan(glm::max(a, glm::max(b, c)), near_.low)) ||
+        glm::any(glm::greaterThan(glm::min(a, glm::min(b, c)), near_.high)))
+        return;
+    if (make_room_ && ++looked_at_ > kTrianglesBeforeRoom) {
+        make_room_();
+        looked_at_ = 0;
+    }
     const TrianglePieces pieces(corners);
     const auto number = static_cast<std::uint32_t>(facets_.size());
     facets_.push_back(facet_of(pieces));

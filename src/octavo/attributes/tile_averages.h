@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "octavo/attributes/surface_sampler.h"
 #include "octavo/attributes/surface_tiles.h"
 #include "octavo/attributes/triangle_pieces.h"
+#include "octavo/core/box.h"
 
 namespace octavo {
 
@@ -24,8 +26,11 @@ using TileValues = std::array<std::vector<std::uint32_t>, Attributes::kChannels>
 class TileAverager {
 public:
     /// All outlive this.
+    /// @param make_room  called whenever some triangles have been looked at: each may have brought
+    ///                   pages of temporary files into memory. Or empty
     TileAverager(const CellIndex& cells, const SurfaceTiles& triangles,
-                 const SurfaceSampler& surfaces, const AttributeOptions& wanted);
+                 const SurfaceSampler& surfaces, const AttributeOptions& wanted,
+                 std::function<void()> make_room);
 
     /// @param tile   in tiles
     /// @param range  the numbers of its cells, not empty
@@ -52,6 +57,7 @@ private:
     void for_each_triangle(const Visit& visit) const;
     [[nodiscard]] static Facet facet_of(const TrianglePieces& pieces);
     void cut(const Corners& corners, std::size_t in_scene);
+    void take_cells(std::uint32_t begin, std::uint32_t end);
     void take_fewer_cells();
     void sort_parts();
     [[nodiscard]] std::span<const std::uint32_t> parts_of(std::uint32_t cell) const;
@@ -62,6 +68,8 @@ private:
     const SurfaceTiles& triangles_;
     const SurfaceSampler& surfaces_;
     const AttributeOptions& wanted_;
+    std::function<void()> make_room_;
+    int looked_at_ = 0;  // triangles since room was made
     int tile_depth_;
     uvec3 tile_{0};
     dvec3 to_tile_{0.0};  // from units of the mesh, after scaling by unit_, to cells of the tile
@@ -70,6 +78,7 @@ private:
     std::size_t most_parts_;  // at a time
 
     std::uint32_t begin_ = 0, end_ = 0;  // the cells that parts are kept of
+    Box near_;                           // what has no part in these lies outside
 
     std::vector<std::uint64_t> masks_;   // of each block of 4x4x4 cells
     std::vector<std::uint32_t> firsts_;  // number in the tile of each block's first cell
