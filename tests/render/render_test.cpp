@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
+#include "octavo/light/light_grid.h"
 #include "octavo/trace/partitions.h"
 #include "octavo/trace/trace.h"
 #include "support/small_dags.h"
@@ -311,6 +313,52 @@ TEST(Render, ReportsProgressToTheEndAndCanBeCancelled) {
     }
 }
 
+/// Lamps that each reach a tenth of what is seen.
+std::vector<Light> many_lamps(int count) {
+    std::vector<Light> lamps;
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    const Box box = kGrid.bounds();
+    for (int i = 0; i < count; ++i) {
+        Light lamp;
+        lamp.kind = Light::Kind::point;
+        const dvec3 at(part(random), 0.2 + 0.6 * part(random), part(random));
+        lamp.position = box.low + at * box.size();
+        lamp.intensity = vec3(0.005f);
+        lamp.size = 0.05;
+        lamps.push_back(lamp);
+    }
+    return lamps;
+}
+
+TEST(Render, LampsThatAreFarAwayAreNotAskedAndMakeNoDifferenceAboveTheLeastLight) {
+    RenderOptions options = small_picture();
+    constexpr int kCount = 200;
+    options.lights = many_lamps(kCount);
+    options.sky = Sky::constant(vec3(0.0f));
+    ASSERT_LT(light_reach(options.lights->front(), options.least_light), 2.0);
+    const Image near = render(sphere_on_floor(), kGrid, options);
+    const float least = options.least_light;
+    options.least_light = 0.0f;
+    const Image all = render(sphere_on_floor(), kGrid, options);
+    float most = 0.0f;
+    for (std::size_t i = 0; i < all.color.size(); ++i) {
+        const vec3 missing = all.color[i] - near.color[i];
+        for (int c = 0; c < 3; ++c) {
+            ASSERT_GE(missing[c], -1e-6f) << "a lamp too many";
+            ASSERT_LE(missing[c], kCount * least);
+            most = std::max(most, missing[c]);
+        }
+    }
+    EXPECT_GT(most, 0.0f) << "all lamps were asked";
+
+    // Where all of them reach every point, no bit differs.
+    for (Light& lamp : *options.lights) lamp.intensity = vec3(100.0f);
+    const Image bright = render(sphere_on_floor(), kGrid, options);
+    options.least_light = least;
+    EXPECT_TRUE(bright == render(sphere_on_floor(), kGrid, options));
+}
+
 TEST(Render, RefusesOptionsThatMakeNoPicture) {
     const auto refused = [](auto change) {
         RenderOptions options = small_picture();
@@ -326,6 +374,7 @@ TEST(Render, RefusesOptionsThatMakeNoPicture) {
     EXPECT_TRUE(refused([](RenderOptions& o) { o.samples = 0; }));
     EXPECT_TRUE(refused([](RenderOptions& o) { o.ao_samples = -1; }));
     EXPECT_TRUE(refused([](RenderOptions& o) { o.ao_radius = std::nan(""); }));
+    EXPECT_TRUE(refused([](RenderOptions& o) { o.least_light = -1.0f; }));
     EXPECT_TRUE(refused([](RenderOptions& o) { o.up = dvec3(0); }));
     EXPECT_TRUE(refused([](RenderOptions& o) { o.camera.emplace().vertical_fov = 4.0; }));
     EXPECT_TRUE(refused([](RenderOptions& o) { o.camera.emplace().forward = {0, 1, 0}; }));

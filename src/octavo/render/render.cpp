@@ -18,6 +18,7 @@
 
 #include "octavo/core/parallel.h"
 #include "octavo/light/lamp.h"
+#include "octavo/light/light_grid.h"
 #include "octavo/light/normal_cache.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
@@ -41,6 +42,9 @@ public:
           grid_(grid),
           options_(options),
           settings_(settle(dag, grid, options)),
+          // Clusters of no box list every lamp.
+          lamp_grid_(settings_.lights, options.least_light > 0.0f ? settings_.lit : Box(),
+                     settings_.eye, options.least_light),
           partitions_(partitions),
           walk_(options.wide ? WideWalk::by_size : WideWalk::one_by_one) {
         for (const Light& light : settings_.lights) lamps_.emplace_back(light, grid);
@@ -73,18 +77,23 @@ private:
         vec3 albedo;
         vec3 emission;
         std::size_t sky_group;
-        std::size_t lamp_group;  // of each lamp's queue
+        std::size_t first_lamp, end_lamp;  // of Tile::asked
         int sky_rays = 0;
         int lamp_rays = 0;
+    };
+
+    /// A lamp whose light on a pixel is on its way.
+    struct Asked {
+        std::uint32_t lamp;
+        std::size_t queue, group;
     };
 
     /// What the pixels of a tile share, for one sample of each at a time.
     struct Tile {
         Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
             : normals(thread_normals),
-              sky_queue(p.whole_dag_, p.settings_.ao_stop, nullptr, p.walk_),
-              lamp_queues(p.lamps_.size(),
-                          RayQueue(p.whole_dag_, {0, 0.0f, 0.0f}, p.partitions_, p.walk_)) {
+              queue_of_lamp(p.lamps_.size(), kNoQueue),
+              sky_queue(p.whole_dag_, p.settings_.ao_stop, nullptr, p.walk_) {
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
                     pixels.emplace_back(x, y);
@@ -105,8 +114,12 @@ private:
         std::vector<shared::GridHit> hits;
         std::vector<SurfaceHit> surface;  // with RenderOptions::primary
         std::vector<Waiting> waiting;
+        static constexpr std::size_t kNoQueue = ~std::size_t{0};
+        std::vector<std::size_t> queue_of_lamp;
+        std::vector<Asked> asked;
         RayQueue sky_queue;
-        std::vector<RayQueue> lamp_queues;  // one for each lamp: its rays run close together
+        // One for each lamp that is near: its rays run close together.
+        std::vector<RayQueue> lamp_queues;
     };
 
     void trace_primary(Tile& tile, int i, float start) const {
@@ -151,6 +164,7 @@ private:
     /// Shades sample i of each pixel: first all secondary rays, then the light that they leave.
     void add_samples(Tile& tile, int i) const {
         tile.waiting.clear();
+        tile.asked.clear();
         tile.sky_queue.clear();
         for (RayQueue& queue : tile.lamp_queues) queue.clear();
         for (std::size_t k = 0; k < tile.pixels.size(); ++k) {
@@ -194,7 +208,9 @@ private:
         const shared::GridRay start = surface_ray(point);
         const int face = point.face;
 
-        Waiting w{k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), 0};
+        Waiting w{
+            k, normal, shared::clay(), vec3(0.0f), tile.sky_queue.begin_group(), tile.asked.size(),
+            0};
         if (options_.attributes) look_at_voxel(tile, k, w);
         if (options_.ao_samples > 0) {
             const ivec2 some = share(options_.ao_samples, options_.samples, i);
@@ -207,9 +223,10 @@ private:
         const ivec2 some =
             soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
         w.lamp_rays = some.y - some.x;
-        for (std::size_t n = 0; n < lamps_.size(); ++n) {
-            RayQueue& queue = tile.lamp_queues[n];
-            w.lamp_group = queue.begin_group();
+        for (const std::uint32_t n :
+             lamp_grid_.near(grid_.to_world(dvec3(start.cell) + dvec3(start.frac)))) {
+            RayQueue& queue = queue_of(tile, n);
+            tile.asked.push_back({n, tile.queue_of_lamp[n], queue.begin_group()});
             const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
             const std::uint32_t rays_seed = shared::lamp_seed(seed, static_cast<int>(n));
             if (options_.shadows == Shadows::none)
@@ -217,7 +234,18 @@ private:
             else
                 queue_lamp_rays(lamp, some.x, some.y, rays_seed, queue);
         }
+        w.end_lamp = tile.asked.size();
         tile.waiting.push_back(w);
+    }
+
+    RayQueue& queue_of(Tile& tile, std::uint32_t lamp) const {
+        std::size_t& queue = tile.queue_of_lamp[lamp];
+        if (queue == Tile::kNoQueue) {
+            queue = tile.lamp_queues.size();
+            tile.lamp_queues.emplace_back(whole_dag_, shared::Stop{0, 0.0f, 0.0f}, partitions_,
+                                          walk_);
+        }
+        return tile.lamp_queues[queue];
     }
 
     /// The colour and the emission of what pixel k sees.
@@ -252,10 +280,12 @@ private:
                               : tile.sky_queue.seen(w.sky_group) / static_cast<float>(w.sky_rays);
         vec3 light = sky * (options_.sky ? options_.sky->diffuse(w.normal)
                                          : shared::sky_light(w.normal, settings_.up));
-        for (std::size_t n = 0; n < lamps_.size(); ++n)
-            light +=
-                lamps_[n].light().intensity *
-                (kPerPi * tile.lamp_queues[n].seen(w.lamp_group) / static_cast<float>(w.lamp_rays));
+        for (std::size_t i = w.first_lamp; i < w.end_lamp; ++i) {
+            const Asked& asked = tile.asked[i];
+            light += lamps_[asked.lamp].light().intensity *
+                     (kPerPi * tile.lamp_queues[asked.queue].seen(asked.group) /
+                      static_cast<float>(w.lamp_rays));
+        }
         return w.albedo * light + w.emission;
     }
 
@@ -265,6 +295,7 @@ private:
     const RenderOptions& options_;
     RenderSettings settings_;
     std::vector<Lamp> lamps_;
+    LightGrid lamp_grid_;
     Partitions* partitions_;
     WideWalk walk_;
 };

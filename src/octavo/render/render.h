@@ -45,6 +45,9 @@ struct RenderOptions {
     std::optional<Sky> sky;                    // none: the clear sky of shade.h
     Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
     int shadow_samples = 16;                   // towards each light
+    // The CPU asks a lamp only where a white surface would send back this much or more of it, see
+    // LightGrid: cost then follows the lamps near a point. 0: every lamp everywhere, as GPUs do
+    float least_light = 1.0f / 2048;
 
     int ao_samples = 64;     // 0: no ambient occlusion
     double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
@@ -75,7 +78,8 @@ struct RenderOptions {
 ///
 /// @return        width * height pixels, see Image; an empty DAG gives the sky
 /// @throws Error  bad_argument where an option is out of range or not finite; cancelled
-/// Cost           (samples + lights * shadow_samples + ao_samples) rays for each pixel that hits
+/// Cost           (samples + lights near it * shadow_samples + ao_samples) rays for each pixel that
+///                hits
 [[nodiscard]] Image render(const Dag& dag, const Grid& grid, const RenderOptions& options);
 
 /// The smallest box, to a 256th of the grid, that holds all voxels; world space, empty for an empty

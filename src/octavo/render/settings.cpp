@@ -20,6 +20,8 @@ void check(const RenderOptions& o) {
         refuse("the ambient radius is negative or not finite");
     if (!(o.ao_cone >= 0.0) || !std::isfinite(o.ao_cone))
         refuse("the ambient cone is negative or not finite");
+    if (!(o.least_light >= 0.0f) || !std::isfinite(o.least_light))
+        refuse("the least light is negative or not finite");
     if (!(o.bias >= 0.0) || !std::isfinite(o.bias)) refuse("the bias is negative or not finite");
     for (const Light& light : o.lights.value_or(std::vector<Light>{}))
         if (!(light.size >= 0.0) || !std::isfinite(light.size))
@@ -45,7 +47,9 @@ RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& opt
                             vec3(glm::normalize(options.up)),
                             0.0f,
                             {0, 0.0f, 0.0f},
-                            {0, 0.0f, 0.0f}};
+                            {0, 0.0f, 0.0f},
+                            camera.eye,
+                            content};
     const double diagonal = content.empty() ? 1.0 : glm::length(content.size());
     const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
     settings.ao_radius = static_cast<float>(radius / grid.voxel_size);

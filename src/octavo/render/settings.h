@@ -18,6 +18,8 @@ struct RenderSettings {
     float ao_radius;  // voxels
     shared::Stop primary_stop;
     shared::Stop ao_stop;
+    dvec3 eye;  // world space
+    Box lit;    // what there is to light, world space
 };
 
 /// @throws Error  bad_argument where an option is out of range or not finite
