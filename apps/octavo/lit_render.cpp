@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lit_render.h"
 
+#include <fmt/format.h>
+
 #include "arguments.h"
 #include "lit_arguments.h"
 #include "octavo/io/octv.h"
@@ -23,6 +25,19 @@ void check_colored(const Model& model, const std::filesystem::path& file, Lighti
                     "it has no attributes to light; build it with --attributes");
 }
 
+/// @param why   there is no light that could be read instead
+/// @param keep  what would keep it
+void light_here(LitScene& scene, const LitArguments& arguments, const std::string& why,
+                const std::string& keep) {
+    if (arguments.lighting == Lighting::reference) return;
+    std::uint64_t cells = 0;
+    for (const LitObject& object : scene.objects) cells += object.attributes.cells().count();
+    if (!arguments.quiet)
+        fmt::print(stderr, "octavo: {}: lighting {} cells for this picture alone{}\n", why, cells,
+                   keep);
+    light_cells(scene, arguments.light);
+}
+
 LitInput read_scene(const std::filesystem::path& path, const LitArguments& arguments,
                     const dvec3& up) {
     SceneFile file = read_scene_file(path, up);
@@ -35,7 +50,7 @@ LitInput read_scene(const std::filesystem::path& path, const LitArguments& argum
                            : described_lights(arguments.sun, arguments.lights, first, up),
         first.attributes);
     if (arguments.sky) input.scene.sky = sky_of(*arguments.sky, up);
-    if (arguments.lighting != Lighting::reference) light_cells(input.scene, arguments.light);
+    light_here(input.scene, arguments, "light of a scene file is not stored", "");
     return input;
 }
 
@@ -64,7 +79,11 @@ LitInput read_lit_input(const std::filesystem::path& path, const LitArguments& a
     input.scene.lights = without_shining_cells(
         described_lights(arguments.sun, arguments.lights, model, up), model.attributes);
     input.scene.sky = sky_of(arguments.sky.value_or("clear"), up);
-    if (arguments.lighting != Lighting::reference) light_cells(input.scene, arguments.light);
+    light_here(input.scene, arguments,
+               model.metadata.light ? "the stored light is of other lamps or another sky"
+                                    : "no light is stored in " + path.string(),
+               "; `octavo light " + path.string() +
+                   "`, with the same --sun, --light, --sky and --bounces, would keep it");
     return input;
 }
 

@@ -20,6 +20,7 @@ struct LitArguments {
     std::vector<std::string> lights;
     std::optional<std::string> sky;
     LightOptions light;
+    bool quiet = false;  // do not say that cells are lit here
 };
 
 /// A scene that is ready to be rendered.
@@ -31,7 +32,7 @@ struct LitInput {
 
 /// Reads an .octv file, or a scene of several from a .json file. The light that an .octv file has
 /// is used where the arguments ask for no other light or sky; else, and for scenes, cells are lit
-/// here.
+/// here, which is said on standard error: it may take minutes, and is not kept.
 [[nodiscard]] LitInput read_lit_input(const std::filesystem::path& path,
                                       const LitArguments& arguments, const dvec3& up);
 

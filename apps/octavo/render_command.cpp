@@ -164,6 +164,7 @@ void run_lit(RenderArguments& arguments) {
     lit.sky = arguments.sky;
     lit.light.bounces = arguments.bounces;
     lit.light.threads = arguments.options.threads;
+    lit.quiet = arguments.quiet;
     RenderOptions& options = arguments.options;
     if (lit.lighting == Lighting::reference && !arguments.samples_given)
         options.samples = kReferenceSamples;
@@ -298,6 +299,11 @@ void add_light_options(CLI::App& command, RenderArguments& arguments) {
         .add_flag("--reference", arguments.reference,
                   "Trace whole paths of light instead, one for each sample, 256: slow and exact")
         ->excludes(gi);
+    command
+        .add_option(
+            "--frame", arguments.options.frame,
+            "Another number gives other noise: 0, then 1 and so on for the frames of a film")
+        ->type_name("N");
     command
         .add_option("--bounces", arguments.bounces,
                     "How often light is sent on, where cells are lit here; 2")

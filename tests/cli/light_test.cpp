@@ -62,6 +62,35 @@ TEST_F(LitFile, GivesThreeDifferentPictures) {
     EXPECT_TRUE(gathered == picture("a.octv --gi"));
     EXPECT_TRUE(cached != picture("a.octv --gi cached --sun 90,30 --bounces 0"));
     EXPECT_TRUE(gathered != picture("a.octv --gi --sky none"));
+    EXPECT_TRUE(reference != picture("a.octv --reference --frame 1"));
+}
+
+TEST_F(LitFile, SaysWhenCellsAreLitForOnePictureAlone) {
+    const auto said = [this](const std::string& arguments) {
+        const Outcome outcome =
+            run("render " + arguments + " -o b.png --size 8x8 --samples 1 --ao 4 -f");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+        return outcome.err;
+    };
+    const auto has = [](const std::string& text, const char* what) {
+        return text.find(what) != std::string::npos;
+    };
+    EXPECT_FALSE(has(said("a.octv --gi cached"), "lighting"));
+    const std::string other = said("a.octv --gi --sun 90,30");
+    EXPECT_TRUE(has(other, "of other lamps")) << other;
+    EXPECT_TRUE(has(other, "octavo light a.octv")) << other;
+    ASSERT_EQ(run("build sample:courtyard -o bare.octv --resolution 32 -q --attributes color "
+                  "--attribute-resolution 16")
+                  .code,
+              0);
+    for (const std::string gi : {"--gi", "--gi cached"}) {
+        const std::string text = said("bare.octv " + gi + " --bounces 0");
+        EXPECT_TRUE(has(text, "no light is stored in bare.octv")) << text;
+        EXPECT_TRUE(has(text, "octavo light bare.octv")) << text;
+    }
+    EXPECT_FALSE(has(said("bare.octv --reference"), "lighting"));
+    EXPECT_EQ(said("bare.octv --gi cached --bounces 0 -q"), "");
 }
 
 TEST_F(LitFile, TheSkyOfAPlainPictureCanBeChosen) {
