@@ -3,11 +3,16 @@
 // How right the light is: docs/lighting.md has these numbers.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "light/voxel_rooms.h"
+#include "octavo/attributes/build_attributes.h"
+#include "octavo/construct/build.h"
 #include "octavo/light/light_cells.h"
+#include "octavo/mesh/samples.h"
 #include "octavo/render/render_lit.h"
 #include "support/lamps.h"
 
@@ -232,6 +237,25 @@ TEST(RenderLit, TwoRunsAndAnyThreadsGiveTheSamePicture) {
     for (std::size_t i = 3; i < images.size(); ++i) EXPECT_EQ(images[i], images[i % 3]) << i;
 }
 
+/// What a pixel's light does from frame to frame beyond the slow change along the way (second
+/// differences), of the mean, where it sees the same smooth surface in all three.
+double flicker(const std::vector<Image>& frames) {
+    double sum = 0.0, mean = 0.0, count = 0.0;
+    for (std::size_t f = 1; f + 1 < frames.size(); ++f)
+        for (std::size_t k = 0; k < frames[f].color.size(); ++k) {
+            const float before = frames[f - 1].depth[k], at = frames[f].depth[k];
+            const float after = frames[f + 1].depth[k];
+            if (!(std::abs(before - at) + std::abs(after - at) < 0.05f * at)) continue;
+            const double bend = static_cast<double>(
+                frames[f - 1].color[k].g - 2.0f * frames[f].color[k].g + frames[f + 1].color[k].g);
+            sum += bend * bend;
+            mean += static_cast<double>(frames[f].color[k].g);
+            count += 1.0;
+        }
+    EXPECT_GT(count, 1000.0);
+    return std::sqrt(sum / count / 6.0) / (mean / count);
+}
+
 TEST(RenderLit, CachedLightDoesNotFlickerWhenTheCameraMoves) {
     const Dag dag = test::sealed_box(6, 20.3, 17.0, 1.0);
     const auto lamp = [](const uvec3& v) {
@@ -239,26 +263,44 @@ TEST(RenderLit, CachedLightDoesNotFlickerWhenTheCameraMoves) {
     };
     LitScene scene = scene_of(dag, grey(dag, 6, 200, lamp), {});
     light_cells(scene, {.around_rays = 64});
-    // A fly-through in steps of a tenth of a voxel: what one pixel's light does from frame to
-    // frame, beyond the slow change along the way (second differences), of the mean.
+    // A fly-through in steps of a tenth of a voxel.
     std::vector<Image> frames;
     for (int i = 0; i < 8; ++i) {
         RenderOptions options =
             small_picture({28.0 + 0.1 * i, 30, 20}, {32.0 + 0.1 * i, 22, 40}, 4);
         frames.push_back(render_lit(scene, Lighting::cached, options));
     }
-    double sum = 0.0, mean = 0.0;
-    for (std::size_t f = 1; f + 1 < frames.size(); ++f)
-        for (std::size_t k = 0; k < frames[f].color.size(); ++k) {
-            const double bend = static_cast<double>(
-                frames[f - 1].color[k].g - 2.0f * frames[f].color[k].g + frames[f + 1].color[k].g);
-            sum += bend * bend;
-            mean += static_cast<double>(frames[f].color[k].g);
-        }
-    const double count = static_cast<double>((frames.size() - 2) * frames[0].color.size());
-    const double deviation = std::sqrt(sum / count / 6.0) / (mean / count);
+    const double deviation = flicker(frames);
     std::printf("fly-through: deviation of a pixel %.4f of the mean\n", deviation);
     EXPECT_LT(deviation, 0.05);
+}
+
+TEST(RenderLit, LightDoesNotFlickerOnAWalkThroughTheCourtyard) {
+    const Scene triangles = make_sample("courtyard", 0.02);
+    BuildOptions how;
+    how.depth = 8;
+    const BuildResult built = build(triangles, how);
+    LitScene scene;
+    scene.objects.push_back(
+        {.dag = built.dag,
+         .grid = built.grid,
+         .attributes = build_attributes(triangles, built.dag, built.grid, {.level = 7})});
+    scene.sky = Sky::clear({0, 1, 0});
+    scene.lights.push_back(sun_at(0.7, 0.9));
+    light_cells(scene, {.around_rays = 16});
+    const Camera walker = triangles.cameras.at(0);
+    for (const Lighting lighting : {Lighting::gathered, Lighting::cached}) {
+        std::vector<Image> frames;
+        for (int i = 0; i < 6; ++i) {
+            const dvec3 eye = walker.eye + 0.1 * i * built.grid.voxel_size * walker.forward;
+            RenderOptions options = small_picture(eye, eye + walker.forward, 16);
+            options.ao_samples = 256;
+            frames.push_back(render_lit(scene, lighting, options));
+        }
+        const double deviation = flicker(frames);
+        std::printf("courtyard: deviation of a pixel %.4f of the mean\n", deviation);
+        EXPECT_LT(deviation, 0.05);
+    }
 }
 
 }  // namespace
