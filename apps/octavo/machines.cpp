@@ -47,12 +47,16 @@ void Machines::run(const std::function<void()>& work) {
 }
 
 BuildResult Machines::build_and_release(Scene& scene, const BuildOptions& options) {
-    return count() == 1 ? octavo::build_and_release(scene, options) : build(scene, options);
+    if (count() == 1) return octavo::build_and_release(scene, options);
+    return take(build_with_mpi_and_release(*mpi_, scene, options));
 }
 
 BuildResult Machines::build(const Scene& scene, const BuildOptions& options) {
     if (count() == 1) return octavo::build(scene, options);
-    MpiBuildResult result = build_with_mpi(*mpi_, scene, options);
+    return take(build_with_mpi(*mpi_, scene, options));
+}
+
+BuildResult Machines::take(MpiBuildResult&& result) {
     sent_bytes_ = result.sent_bytes;
     return std::move(result.built);
 }

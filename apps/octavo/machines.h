@@ -9,7 +9,8 @@
 
 namespace octavo {
 class MpiSession;
-}
+struct MpiBuildResult;
+}  // namespace octavo
 
 namespace octavo::cli {
 
@@ -38,6 +39,8 @@ public:
     [[nodiscard]] std::uint64_t sent_bytes() const { return sent_bytes_; }
 
 private:
+    BuildResult take(MpiBuildResult&& result);
+
     std::unique_ptr<MpiSession> mpi_;
     std::uint64_t sent_bytes_ = 0;
 };

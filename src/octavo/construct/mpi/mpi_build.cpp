@@ -345,9 +345,9 @@ private:
     Done done_;
 };
 
-}  // namespace
-
-MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOptions& options) {
+/// @param disposable  the scene, if it may be given up once it is not needed; or null
+MpiBuildResult build_from(MpiSession& mpi, const Scene& scene, Scene* disposable,
+                          const BuildOptions& options) {
     if (options.scratch.empty())
         throw Error(Errc::bad_argument, "a build on many machines needs a scratch folder");
     MpiBuildResult result;
@@ -365,7 +365,7 @@ MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOp
 
         Scratch scratch(options.scratch, plan.key, plan.tile_depth - 2,
                         mpi.rank() == 0 ? Scratch::Use::alone : Scratch::Use::shared);
-        const SortedTriangles sorted = sort_triangles(scene, nullptr, plan, agreed, scratch);
+        const SortedTriangles sorted = sort_triangles(scene, disposable, plan, agreed, scratch);
         Constructed constructed =
             RankBuild(mpi, *sorted.source, plan.grid.depth, agreed, scratch).run();
         mpi.while_waiting = nullptr;
@@ -380,6 +380,17 @@ MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOp
         if (mpi.rank() == 0 && !options.keep_scratch) scratch.remove();
     });
     return result;
+}
+
+}  // namespace
+
+MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene, const BuildOptions& options) {
+    return build_from(mpi, scene, nullptr, options);
+}
+
+MpiBuildResult build_with_mpi_and_release(MpiSession& mpi, Scene& scene,
+                                          const BuildOptions& options) {
+    return build_from(mpi, scene, &scene, options);
 }
 
 }  // namespace octavo

@@ -25,4 +25,8 @@ struct MpiBuildResult {
 [[nodiscard]] MpiBuildResult build_with_mpi(MpiSession& mpi, const Scene& scene,
                                             const BuildOptions& options);
 
+/// The same for a scene that is not needed any more, as build_and_release().
+[[nodiscard]] MpiBuildResult build_with_mpi_and_release(MpiSession& mpi, Scene& scene,
+                                                        const BuildOptions& options);
+
 }  // namespace octavo
