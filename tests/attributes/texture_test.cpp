@@ -163,6 +163,38 @@ TEST(Textures, FactorsMultiplyBaseColourAndEmission) {
     EXPECT_EQ(emission.b, 0.0f);
 }
 
+TEST(Textures, EmissionLiesByItsOwnCoordinatesInMemoryAndOnDisk) {
+    Scene scene = textured_square(random_bitmap(64, 64, 7, false), 2.0, Texture::Wrap::repeat);
+    scene.textures.push_back(scene.textures[0]);
+    scene.textures[1].wrap_u = Texture::Wrap::mirror;
+    scene.materials[0].emission = {4.0f, 2.0f, 1.0f};
+    scene.materials[0].emission_texture = 1;
+    const BuildResult built = build_16(scene, 4);
+    for (const vec2& base : scene.texture_coordinates)
+        scene.emission_coordinates.emplace_back(0.7f * base.y + 0.1f, 1.3f - base.x);
+
+    // Each picture alone, by the coordinates that are its own.
+    Scene base = scene, shining = scene;
+    base.emission_coordinates = {};
+    base.materials[0].emission = vec3(0.0f);
+    shining.materials[0].base_color_texture = Material::kNoTexture;
+    shining.texture_coordinates = shining.emission_coordinates;
+    shining.emission_coordinates = {};
+    const Attributes colors = build_attributes(base, built.dag, built.grid, {});
+    const Attributes emissions = build_attributes(shining, built.dag, built.grid, {});
+
+    const test::TemporaryFolder folder;
+    for (const AttributeOptions& options :
+         {AttributeOptions{},
+          AttributeOptions{.max_memory_bytes = std::uint64_t{4} << 30, .scratch = folder.path()}}) {
+        const Attributes both = build_attributes(scene, built.dag, built.grid, options);
+        for (const auto& [channel, alone] : {std::pair{Attributes::Channel::color, &colors},
+                                             std::pair{Attributes::Channel::emission, &emissions}})
+            EXPECT_TRUE(
+                std::ranges::equal(both.channel(channel).words(), alone->channel(channel).words()));
+    }
+}
+
 /// The rule for cut-outs of docs/voxel-rules.md, pixel by pixel, for the textured square.
 bool keeps(const Bitmap& bitmap, double repeats, Texture::Wrap wrap, double x, double y,
            double width) {

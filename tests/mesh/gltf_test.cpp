@@ -204,6 +204,48 @@ TEST(Gltf, ReadsMaterialsTexturesAndTheirPlacement) {
     EXPECT_EQ(leaf.base_color_texture, 0);
     EXPECT_EQ(leaf.emission_texture, 1);
     EXPECT_EQ(scene.texture_coordinates, (std::vector<vec2>{{0.5f, 0}, {2.5f, 0}, {0.5f, 2}}));
+    // The emission's picture lies by the other set, and is not moved.
+    EXPECT_EQ(scene.emission_coordinates, (std::vector<vec2>{{0, 0}, {1, 0}, {0, 1}}));
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Gltf, PrimitivesWhoseEmissionLiesLikeTheBaseColourShareTheirCoordinates) {
+    const TemporaryFolder folder;
+    folder.write("a.png", "png");
+    GltfFile file = with_triangle();
+    json& primitives = file.root["meshes"][0]["primitives"];
+    primitives[0]["attributes"]["TEXCOORD_0"] =
+        file.accessor<float>({0, 0, 1, 0, 0, 1}, 5126, "VEC2", 2);
+    const json picture{{"index", 0}};
+    json moved = picture;
+    moved["extensions"]["KHR_texture_transform"]["offset"] = {0.25, 0.5};
+    file.root["textures"] = {{{"source", 0}}};
+    file.root["images"] = {{{"uri", "a.png"}}};
+    const auto material = [](const json& base, const json& emission) {
+        return json{{"pbrMetallicRoughness", {{"baseColorTexture", base}}},
+                    {"emissiveFactor", {1, 1, 1}},
+                    {"emissiveTexture", emission}};
+    };
+    file.root["materials"] = {material(picture, picture), material(picture, moved),
+                              material(moved, moved)};
+    primitives.push_back(primitives[0]);
+    primitives.push_back(primitives[0]);
+    for (int i = 0; i < 3; ++i) primitives[i]["material"] = i;
+    const Scene scene = load_scene(file.write(folder));
+    const std::vector<vec2> plain{{0, 0}, {1, 0}, {0, 1}};
+    const std::vector<vec2> aside{{0.25f, 0.5f}, {1.25f, 0.5f}, {0.25f, 1.5f}};
+    ASSERT_EQ(scene.texture_coordinates.size(), 9u);
+    ASSERT_EQ(scene.emission_coordinates.size(), 9u);
+    const auto of = [](const std::vector<vec2>& all, std::size_t i) {
+        const auto first = all.begin() + static_cast<std::ptrdiff_t>(3 * i);
+        return std::vector<vec2>(first, first + 3);
+    };
+    EXPECT_EQ(of(scene.texture_coordinates, 0), plain);
+    EXPECT_EQ(of(scene.emission_coordinates, 0), plain);
+    EXPECT_EQ(of(scene.texture_coordinates, 1), plain);
+    EXPECT_EQ(of(scene.emission_coordinates, 1), aside);
+    EXPECT_EQ(of(scene.texture_coordinates, 2), aside);
+    EXPECT_EQ(of(scene.emission_coordinates, 2), aside);
 }
 
 TEST(Gltf, ReadsCamerasAndLightsWhereTheirNodesStand) {

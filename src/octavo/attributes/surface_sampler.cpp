@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <set>
@@ -47,7 +48,8 @@ SurfaceSampler::SurfaceSampler(const Scene& scene, const std::filesystem::path& 
     : scene_(&scene),
       materials_(scene.materials),
       has_coordinates_(!scene.texture_coordinates.empty()),
-      has_colors_(!scene.colors.empty()) {
+      has_colors_(!scene.colors.empty()),
+      look_words_(scene.emission_coordinates.empty() ? kLookWords : kLookWordsWithEmission) {
     for (const Material& m : materials_)
         for (int i = 0; i < 3; ++i)
             greatest_emission_ = std::max(greatest_emission_, finite_or_zero(m.emission[i]));
@@ -92,24 +94,28 @@ void SurfaceSampler::make_textures(const Scene& scene, const std::filesystem::pa
 }
 
 void SurfaceSampler::write_looks(const Scene& scene, const std::filesystem::path& scratch) {
-    static_assert(sizeof(Look) == kLookWords * sizeof(std::uint32_t));
+    static_assert(offsetof(Look, of_emission) == kLookWords * sizeof(std::uint32_t));
+    static_assert(sizeof(Look) == kLookWordsWithEmission * sizeof(std::uint32_t));
     static_assert(std::is_trivially_copyable_v<Look>);
     constexpr std::size_t kAtOnce = 4096;
     const std::size_t count = scene.triangles.size();
+    const std::size_t bytes_each = look_words_ * sizeof(std::uint32_t);
     SpillFile file(scratch / "looks", SpillFile::Kind::temporary);
-    std::vector<Look> some;
+    std::vector<std::uint32_t> some(kAtOnce * look_words_);
     for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
-        some.clear();
-        for (std::size_t t = begin; t < std::min(count, begin + kAtOnce); ++t)
-            some.push_back(look_of(scene, t));
-        file.write(begin * sizeof(Look), some.data(), some.size() * sizeof(Look));
+        const std::size_t end = std::min(count, begin + kAtOnce);
+        for (std::size_t t = begin; t < end; ++t) {
+            const Look look = look_of(scene, t);
+            std::memcpy(&some[(t - begin) * look_words_], &look, bytes_each);
+        }
+        file.write(begin * bytes_each, some.data(), (end - begin) * bytes_each);
     }
-    looks_ = std::make_shared<MappedWords>(file, count * kLookWords);
+    looks_ = std::make_shared<MappedWords>(file, count * look_words_);
     scene_ = nullptr;
 }
 
 SurfaceSampler::Look SurfaceSampler::look_of(const Scene& scene, std::size_t triangle) {
-    Look look{Scene::kNoMaterial, {}, {}};
+    Look look{Scene::kNoMaterial, {}, {}, {}};
     if (!scene.triangle_materials.empty()) look.material = scene.triangle_materials[triangle];
     for (unsigned i = 0; i < 3; ++i) {
         const std::uint32_t vertex = scene.triangles[triangle][static_cast<int>(i)];
@@ -117,6 +123,9 @@ SurfaceSampler::Look SurfaceSampler::look_of(const Scene& scene, std::size_t tri
                                               : scene.colors[vertex];
         look.coordinates[i] =
             scene.texture_coordinates.empty() ? vec2(0.0f) : scene.texture_coordinates[vertex];
+        look.of_emission[i] = scene.emission_coordinates.empty()
+                                  ? look.coordinates[i]
+                                  : scene.emission_coordinates[vertex];
     }
     return look;
 }
@@ -124,7 +133,9 @@ SurfaceSampler::Look SurfaceSampler::look_of(const Scene& scene, std::size_t tri
 SurfaceSampler::Look SurfaceSampler::look(std::size_t triangle) const {
     if (!looks_) return look_of(*scene_, triangle);
     Look look;
-    std::memcpy(&look, looks_->words().data() + kLookWords * triangle, sizeof look);
+    std::memcpy(&look, looks_->words().data() + look_words_ * triangle,
+                look_words_ * sizeof(std::uint32_t));
+    if (look_words_ == kLookWords) look.of_emission = look.coordinates;
     return look;
 }
 
@@ -171,30 +182,35 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
     t.has_holes_ = holes > 0;
     t.base_.texture = mip_texture(material.base_color_texture, holes);
     if (t.emits_) t.glow_.texture = mip_texture(material.emission_texture, 0);
-    if (!t.base_.texture && !t.glow_.texture) return t;
-
-    const glm::dvec2 first(look.coordinates[0]);
-    const glm::dvec2 a = glm::dvec2(look.coordinates[1]) - first;
-    const glm::dvec2 b = glm::dvec2(look.coordinates[2]) - first;
-    if (!std::isfinite(first.x + first.y + a.x + a.y + b.x + b.y)) {
-        t.base_.texture = t.glow_.texture = nullptr;
-        return t;
-    }
-    for (int i = 0; i < 2; ++i)
-        t.coordinates_[static_cast<unsigned>(i)] =
-            a[i] * t.weights_[0] + b[i] * t.weights_[1] + dvec4(0.0, 0.0, 0.0, first[i]);
-    for (Triangle::Filter* filter : {&t.base_, &t.glow_})
-        if (filter->texture) {
-            choose_filter(*filter, t.coordinates_, footprint);
-            simplify(*filter, t.coordinates_, look);
+    const auto prepare_filter = [&](Triangle::Filter& filter, const std::array<vec2, 3>& corners) {
+        if (!filter.texture) return;
+        if (!place(filter, corners, t.weights_)) {
+            filter.texture = nullptr;
+            return;
         }
+        choose_filter(filter, footprint);
+        simplify(filter, corners);
+    };
+    prepare_filter(t.base_, look.coordinates);
+    prepare_filter(t.glow_, look.of_emission);
     return t;
+}
+
+bool SurfaceSampler::place(Triangle::Filter& filter, const std::array<vec2, 3>& corners,
+                           const std::array<dvec4, 2>& weights) {
+    const glm::dvec2 first(corners[0]);
+    const glm::dvec2 a = glm::dvec2(corners[1]) - first, b = glm::dvec2(corners[2]) - first;
+    if (!std::isfinite(first.x + first.y + a.x + a.y + b.x + b.y)) return false;
+    for (int i = 0; i < 2; ++i)
+        filter.coordinates[static_cast<unsigned>(i)] =
+            a[i] * weights[0] + b[i] * weights[1] + dvec4(0.0, 0.0, 0.0, first[i]);
+    return true;
 }
 
 /// The footprint of a piece in the texture is an ellipse: samples as wide as it is narrow, side by
 /// side along its length.
-void SurfaceSampler::choose_filter(Triangle::Filter& filter,
-                                   const std::array<dvec4, 2>& coordinates, double footprint) {
+void SurfaceSampler::choose_filter(Triangle::Filter& filter, double footprint) {
+    const std::array<dvec4, 2>& coordinates = filter.coordinates;
     const glm::dvec2 size(filter.texture->width(), filter.texture->height());
     const dvec3 u = dvec3(coordinates[0]) * size.x * footprint;  // texels along a piece
     const dvec3 v = dvec3(coordinates[1]) * size.y * footprint;
@@ -222,17 +238,16 @@ void SurfaceSampler::choose_filter(Triangle::Filter& filter,
 }
 
 /// Nearly all textures repeat and have sides of powers of two.
-void SurfaceSampler::simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
-                              const Look& look) {
+void SurfaceSampler::simplify(Triangle::Filter& filter, const std::array<vec2, 3>& corners) {
     constexpr double kFar = 1e9;  // texels; whole periods are left for what is around a triangle
     const glm::dvec2 size = filter.level->size();
     filter.simple = filter.level->is_simple();
-    for (const vec2& corner : look.coordinates)
+    for (const vec2& corner : corners)
         filter.simple &=
             glm::all(glm::lessThan(glm::abs(glm::dvec2(corner)) * size, glm::dvec2(kFar)));
     for (int i = 0; i < 2; ++i) {
         dvec4& texels = filter.texels[static_cast<unsigned>(i)];
-        texels = coordinates[static_cast<unsigned>(i)] * size[i];
+        texels = filter.coordinates[static_cast<unsigned>(i)] * size[i];
         texels.w += MipTexture::Level::kPeriods - 0.5;
     }
     filter.texel_step = filter.step * size;
@@ -251,12 +266,14 @@ vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec4&
         sum *= 1.0f / 65535.0f;
         return {sum[0], sum[1], sum[2], sum[3]};
     }
-    const glm::dvec2 middle(glm::dot(coordinates_[0], point), glm::dot(coordinates_[1], point));
+    const glm::dvec2 middle(glm::dot(filter.coordinates[0], point),
+                            glm::dot(filter.coordinates[1], point));
     vec4 sum(0.0f);
     for (int i = 0; i < filter.samples; ++i)
         sum += filter.level->sample(middle + (i + first) * filter.step);
     return sum;
 }
+
 
 SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     SurfaceSample sample;
@@ -276,7 +293,7 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
             base *= vec3(sum) / sum.a;
         } else {
             base *= base_.texture->color_around(
-                {glm::dot(coordinates_[0], p), glm::dot(coordinates_[1], p)});
+                {glm::dot(base_.coordinates[0], p), glm::dot(base_.coordinates[1], p)});
         }
         if (has_holes_)
             sample.opacity = static_cast<std::uint16_t>(part_of(sum.a * base_.share, 65535.0f));

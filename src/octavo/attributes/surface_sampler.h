@@ -54,6 +54,7 @@ public:
         struct Filter {
             const MipTexture* texture = nullptr;
             const MipTexture::Level* level = nullptr;
+            std::array<dvec4, 2> coordinates;  // in the texture: affine in the point
             int samples = 1;
             float share = 1.0f;    // 1 / samples
             glm::dvec2 step{0.0};  // from one sample to the next
@@ -65,8 +66,7 @@ public:
         };
         [[nodiscard]] vec4 sum_of_samples(const Filter& filter, const dvec4& point) const;
 
-        std::array<dvec4, 2> weights_;      // of the second and third corner: affine in the point
-        std::array<dvec4, 2> coordinates_;  // in the texture, likewise
+        std::array<dvec4, 2> weights_;  // of the second and third corner: affine in the point
         Filter base_, glow_;
         std::array<vec4, 3> corner_colors_;
         vec3 emission_{0.0f};
@@ -90,13 +90,15 @@ private:
         std::uint32_t material;
         std::array<std::array<std::uint8_t, 4>, 3> colors;
         std::array<vec2, 3> coordinates;
+        std::array<vec2, 3> of_emission;  // stored only where a scene has them
     };
-    static constexpr std::size_t kLookWords = 10;
+    static constexpr std::size_t kLookWords = 10, kLookWordsWithEmission = 16;
 
-    static void choose_filter(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
-                              double footprint);
-    static void simplify(Triangle::Filter& filter, const std::array<dvec4, 2>& coordinates,
-                         const Look& look);
+    /// False where the corners' coordinates are no numbers.
+    static bool place(Triangle::Filter& filter, const std::array<vec2, 3>& corners,
+                      const std::array<dvec4, 2>& weights);
+    static void choose_filter(Triangle::Filter& filter, double footprint);
+    static void simplify(Triangle::Filter& filter, const std::array<vec2, 3>& corners);
     void make_textures(const Scene& scene, const std::filesystem::path& scratch);
     void write_looks(const Scene& scene, const std::filesystem::path& scratch);
     [[nodiscard]] static Look look_of(const Scene& scene, std::size_t triangle);
@@ -108,6 +110,7 @@ private:
     std::shared_ptr<MappedWords> looks_;  // where they are
     std::vector<Material> materials_;
     bool has_coordinates_, has_colors_;
+    std::size_t look_words_;                              // of each triangle, on disk
     std::map<std::pair<int, int>, MipTexture> textures_;  // by index and least alpha
     std::vector<std::string> warnings_;
     float greatest_emission_ = 0.0f;

@@ -189,8 +189,9 @@ private:
         for (const json& primitive : *primitives) add_primitive(primitive, world, bases);
     }
 
-    /// Position, texture coordinate and colour accessor, and the material's texture placement.
-    using VertexKey = std::tuple<std::size_t, std::size_t, std::size_t, std::size_t>;
+    /// Position, texture coordinate, emission coordinate and colour accessor, and the material
+    /// where it places its textures in a way of its own.
+    using VertexKey = std::tuple<std::size_t, std::size_t, std::size_t, std::size_t, std::size_t>;
     using VertexBases = std::map<VertexKey, std::uint32_t>;
     static constexpr std::size_t kNone = ~std::size_t{0};
 
@@ -217,11 +218,16 @@ private:
             any_material_ = true;
         }
         const bool textured = material != Scene::kNoMaterial && !scene_.textures.empty();
-        const TexturePlacement placement = textured ? placements_[material] : TexturePlacement{};
-        const std::string set_name = "TEXCOORD_" + std::to_string(placement.set);
-        const VertexKey key{*position, whole(*attributes, set_name.c_str()).value_or(kNone),
+        const MaterialPlacement placement = textured ? placements_[material] : MaterialPlacement{};
+        const auto set_of = [&](const TexturePlacement& placed) {
+            const std::string name = "TEXCOORD_" + std::to_string(placed.set);
+            return whole(*attributes, name.c_str()).value_or(kNone);
+        };
+        const bool as_it_is =
+            placement.base == TexturePlacement{} && placement.emission == TexturePlacement{};
+        const VertexKey key{*position, set_of(placement.base), set_of(placement.emission),
                             whole(*attributes, "COLOR_0").value_or(kNone),
-                            placement == TexturePlacement{} ? kNone : material};
+                            as_it_is ? kNone : material};
 
         const Accessor positions = document_.accessor(*position);
         auto base = bases.find(key);
@@ -260,7 +266,7 @@ private:
     }
 
     std::uint32_t add_vertices(const Accessor& positions, const VertexKey& key,
-                               const TexturePlacement& placement, const dmat4& world) {
+                               const MaterialPlacement& placement, const dmat4& world) {
         const std::size_t base = scene_.positions.size();
         if (positions.components != 3)
             throw document_.file().error("positions are not three numbers each");
@@ -272,21 +278,36 @@ private:
             const dvec4 p = positions.real(i);
             scene_.positions.emplace_back(world * dvec4(p.x, p.y, p.z, 1.0));
         }
-        const auto [position, texture, color, placed_by] = key;
+        const auto [position, texture, emission, color, placed_by] = key;
         const auto attribute = [&](std::size_t index) {
             Accessor accessor = document_.accessor(index);
             if (accessor.count < positions.count)
                 throw document_.file().error("an attribute has fewer elements than its positions");
             return accessor;
         };
-        if (texture != kNone && !scene_.textures.empty()) {
-            const Accessor source = attribute(texture);
-            auto& target = scene_.texture_coordinates;
+        const auto add_coordinates = [&](std::size_t accessor, const TexturePlacement& placed,
+                                         std::vector<vec2>& target) {
             target.resize(base);
+            if (accessor == kNone) return target.resize(scene_.positions.size());
+            const Accessor source = attribute(accessor);
             for (std::size_t i = 0; i < positions.count; ++i)
-                target.push_back(placement.apply(glm::dvec2(source.real(i))));
-        } else if (!scene_.texture_coordinates.empty()) {
-            scene_.texture_coordinates.resize(scene_.positions.size());
+                target.push_back(placed.apply(glm::dvec2(source.real(i))));
+        };
+        auto& coordinates = scene_.texture_coordinates;
+        auto& of_emission = scene_.emission_coordinates;
+        const bool apart = !(placement.base == placement.emission);
+        const bool any = texture != kNone || (apart && emission != kNone);
+        if (!scene_.textures.empty() && (any || !coordinates.empty()))
+            add_coordinates(texture, placement.base, coordinates);
+        if (!scene_.textures.empty() && apart && emission != kNone) {
+            if (of_emission.empty())
+                of_emission.assign(coordinates.begin(),
+                                   coordinates.begin() + static_cast<std::ptrdiff_t>(base));
+            add_coordinates(emission, placement.emission, of_emission);
+        } else if (!of_emission.empty()) {
+            of_emission.insert(of_emission.end(),
+                               coordinates.begin() + static_cast<std::ptrdiff_t>(base),
+                               coordinates.end());
         }
         if (color != kNone) {
             const Accessor source = attribute(color);
@@ -302,7 +323,7 @@ private:
         return static_cast<std::uint32_t>(base);
     }
 
-    static constexpr std::uint64_t kVertexBytes = sizeof(dvec3) + sizeof(vec2) + 4;
+    static constexpr std::uint64_t kVertexBytes = sizeof(dvec3) + 2 * sizeof(vec2) + 4;
     static constexpr std::uint64_t kTriangleBytes = sizeof(uvec3) + sizeof(std::uint32_t);
 
     /// Nodes may use one mesh any number of times, so a short file can describe any size.
@@ -318,7 +339,7 @@ private:
     std::uint64_t max_bytes_;
     std::uint64_t bytes_ = 0;
     Scene scene_;
-    std::vector<TexturePlacement> placements_;
+    std::vector<MaterialPlacement> placements_;
     std::set<std::string> warnings_;
     std::size_t other_primitives_ = 0;
     bool any_material_ = false;

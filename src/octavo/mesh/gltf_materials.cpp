@@ -23,31 +23,27 @@ class MaterialReader {
 public:
     MaterialReader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
 
-    TexturePlacement read(const json& source) {
+    MaterialPlacement read(const json& source) {
         Material material;
-        TexturePlacement placement;
+        MaterialPlacement placement;
         material.name = value_or<std::string>(source, "name", "");
 
         if (const json* pbr = child(source, "pbrMetallicRoughness")) {
             material.base_color = vec4(numbers(*pbr, "baseColorFactor", dvec4(1.0)));
-            material.base_color_texture = texture(child(*pbr, "baseColorTexture"), &placement);
+            material.base_color_texture = texture(child(*pbr, "baseColorTexture"), placement.base);
         } else if (const json* old = extension(source, "KHR_materials_pbrSpecularGlossiness")) {
             material.base_color = vec4(numbers(*old, "diffuseFactor", dvec4(1.0)));
-            material.base_color_texture = texture(child(*old, "diffuseTexture"), &placement);
+            material.base_color_texture = texture(child(*old, "diffuseTexture"), placement.base);
         }
 
         material.emission = vec3(numbers(source, "emissiveFactor", dvec4(0.0)));
         if (const json* strength = extension(source, "KHR_materials_emissive_strength"))
             material.emission *= value_or(*strength, "emissiveStrength", 1.0f);
-        // A vertex has one texture coordinate here, and the base colour's comes first.
-        const bool has_base = material.base_color_texture != Material::kNoTexture;
-        TexturePlacement emission_placement;
-        material.emission_texture =
-            texture(child(source, "emissiveTexture"), has_base ? &emission_placement : &placement);
-        if (has_base && material.emission_texture != Material::kNoTexture &&
-            !(emission_placement == placement))
-            scene_.warnings.push_back("material '" + material.name +
-                                      "': its emission picture is placed as its base colour's is");
+        material.emission_texture = texture(child(source, "emissiveTexture"), placement.emission);
+        if (material.emission_texture == Material::kNoTexture)
+            placement.emission = placement.base;
+        else if (material.base_color_texture == Material::kNoTexture)
+            placement.base = placement.emission;
 
         const auto mode = value_or<std::string>(source, "alphaMode", "OPAQUE");
         if (mode == "MASK") material.alpha_cutoff = value_or(source, "alphaCutoff", kDefaultCutoff);
@@ -60,16 +56,14 @@ public:
 
 private:
     /// The scene's texture for a textureInfo object.
-    int texture(const json* info, TexturePlacement* placement) {
+    int texture(const json* info, TexturePlacement& placement) {
         if (!info) return Material::kNoTexture;
-        if (placement) {
-            placement->set = whole(*info, "texCoord").value_or(0);
-            if (const json* moved = extension(*info, "KHR_texture_transform")) {
-                placement->offset = glm::dvec2(numbers(*moved, "offset", dvec4(0.0)));
-                placement->scale = glm::dvec2(numbers(*moved, "scale", dvec4(1.0)));
-                placement->rotation = value_or(*moved, "rotation", 0.0);
-                placement->set = whole(*moved, "texCoord").value_or(placement->set);
-            }
+        placement.set = whole(*info, "texCoord").value_or(0);
+        if (const json* moved = extension(*info, "KHR_texture_transform")) {
+            placement.offset = glm::dvec2(numbers(*moved, "offset", dvec4(0.0)));
+            placement.scale = glm::dvec2(numbers(*moved, "scale", dvec4(1.0)));
+            placement.rotation = value_or(*moved, "rotation", 0.0);
+            placement.set = whole(*moved, "texCoord").value_or(placement.set);
         }
         const auto index = whole(*info, "index");
         if (!index) return Material::kNoTexture;
@@ -131,9 +125,9 @@ vec2 TexturePlacement::apply(const glm::dvec2& coordinate) const {
     return vec2(glm::dvec2(c * p.x + s * p.y, c * p.y - s * p.x) + offset);
 }
 
-std::vector<TexturePlacement> read_materials(Document& document, Scene& scene) {
+std::vector<MaterialPlacement> read_materials(Document& document, Scene& scene) {
     MaterialReader reader(document, scene);
-    std::vector<TexturePlacement> placements;
+    std::vector<MaterialPlacement> placements;
     for (std::size_t i = 0; i < document.count("materials"); ++i)
         placements.push_back(reader.read(document.object("materials", i)));
     return placements;

@@ -20,8 +20,13 @@ struct TexturePlacement {
     friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 
+/// Where the pictures of a material lie. Of one that has one picture both are alike.
+struct MaterialPlacement {
+    TexturePlacement base, emission;
+};
+
 /// Adds the document's materials and the textures that they use to the scene, in the document's
 /// order. @return the placement of each material's textures
-std::vector<TexturePlacement> read_materials(Document& document, Scene& scene);
+std::vector<MaterialPlacement> read_materials(Document& document, Scene& scene);
 
 }  // namespace octavo::gltf

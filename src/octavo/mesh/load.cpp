@@ -76,7 +76,9 @@ void check(const Scene& scene, const fs::path& file) {
     const auto known = [&](std::uint32_t m) {
         return m == Scene::kNoMaterial || m < scene.materials.size();
     };
-    if (!one_each(scene.texture_coordinates, count) || !one_each(scene.colors, count) ||
+    if (!one_each(scene.texture_coordinates, count) ||
+        !one_each(scene.emission_coordinates, scene.texture_coordinates.size()) ||
+        !one_each(scene.colors, count) ||
         !one_each(scene.triangle_materials, scene.triangles.size()) ||
         !std::ranges::all_of(scene.triangle_materials, known))
         throw Error(Errc::bad_input, file, "a vertex or triangle refers to what does not exist");

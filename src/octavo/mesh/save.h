@@ -12,7 +12,8 @@ namespace octavo {
 /// - `.glb`  everything. Positions are floats around a translated node, so that a scene far from
 ///           the origin keeps its detail; pictures go into the file. At most 4 GiB, as the format
 ///           has it.
-/// - `.obj`  triangles, texture coordinates, vertex colours without alpha, exact coordinates.
+/// - `.obj`  triangles, texture coordinates (the base colour's: the format has one set), vertex
+///           colours without alpha, exact coordinates.
 ///           A `.mtl` beside it has the materials: textures that are files in the same folder or
 ///           below are named, all others written as NAME-NUMBER.png, .jpg or .tga.
 /// - `.ply`  binary: triangles and vertex colours; coordinates are floats where that loses nothing,

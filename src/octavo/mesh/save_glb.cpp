@@ -147,6 +147,8 @@ private:
         root_["accessors"][position]["max"] = array_of(high);
         if (!scene_.texture_coordinates.empty())
             attributes["TEXCOORD_0"] = add_accessor(add_view(8 * count), kF32, count, "VEC2");
+        if (!scene_.emission_coordinates.empty())
+            attributes["TEXCOORD_1"] = add_accessor(add_view(8 * count), kF32, count, "VEC2");
         if (!scene_.colors.empty()) {
             const std::size_t color = add_accessor(add_view(4 * count), kU8, count, "VEC4");
             root_["accessors"][color]["normalized"] = true;
@@ -202,7 +204,9 @@ private:
                 }
             }
             if (material.emission_texture != Material::kNoTexture)
-                target["emissiveTexture"] = {{"index", material.emission_texture}};
+                target["emissiveTexture"] = {
+                    {"index", material.emission_texture},
+                    {"texCoord", scene_.emission_coordinates.empty() ? 0 : 1}};
             if (material.alpha_cutoff) {
                 target["alphaMode"] = "MASK";
                 target["alphaCutoff"] = *material.alpha_cutoff;
@@ -288,6 +292,7 @@ private:
     void write_data(OutputFile& out) const {
         for (const dvec3& p : scene_.positions) out.write_raw(vec3(p - origin_));
         for (const vec2& coordinate : scene_.texture_coordinates) out.write_raw(coordinate);
+        for (const vec2& coordinate : scene_.emission_coordinates) out.write_raw(coordinate);
         for (const auto& color : scene_.colors) out.write_raw(color);
         for (std::size_t i = 0; i < scene_.triangles.size(); ++i)
             out.write_raw(scene_.triangles[order_.empty() ? i : order_[i]]);

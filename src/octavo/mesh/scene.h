@@ -81,6 +81,7 @@ struct Scene {
     // Each of these is empty, or as long as positions.
     // Texture coordinate (0, 0) is the upper left corner of the picture, as in glTF.
     std::vector<vec2> texture_coordinates;
+    std::vector<vec2> emission_coordinates;  // of emission textures; empty: they lie as others do
     std::vector<std::array<std::uint8_t, 4>> colors;  // linear RGBA, multiplies the base colour
 
     // Empty where no triangle has a material, else as long as triangles.

@@ -139,9 +139,9 @@ requires(!std::is_trivially_copyable_v<T>) void each(Archive& archive, std::vect
 
 template <class Archive>
 void each(Archive& archive, Scene& scene) {
-    each(archive, scene.positions, scene.triangles, scene.texture_coordinates, scene.colors,
-         scene.triangle_materials, scene.materials, scene.textures, scene.cameras, scene.lights,
-         scene.warnings);
+    each(archive, scene.positions, scene.triangles, scene.texture_coordinates,
+         scene.emission_coordinates, scene.colors, scene.triangle_materials, scene.materials,
+         scene.textures, scene.cameras, scene.lights, scene.warnings);
 }
 
 }  // namespace
