@@ -36,7 +36,9 @@ void run_info(const InfoArguments& arguments) {
 }  // namespace
 
 void add_info_command(CLI::App& program) {
-    CLI::App& command = *program.add_subcommand("info", "Say what an .octv file holds, by its header and metadata; validate checks the rest");
+    CLI::App& command = *program.add_subcommand(
+        "info",
+        "Say what an .octv file holds, by its header and metadata; validate checks the rest");
     const auto arguments = std::make_shared<InfoArguments>();
     set_help(command, kExamples);
     command.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");

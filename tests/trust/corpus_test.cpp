@@ -119,8 +119,7 @@ TEST_P(FullCube, IsAnsweredAtOnceByEveryOperation) {
 }
 
 TEST_P(FullCube, IsServed) {
-    const test::Outcome outcome =
-        test::serve_and_interrupt(folder.path(), "octavo view full.octv");
+    const test::Outcome outcome = test::serve_and_interrupt(folder.path(), "octavo view full.octv");
     EXPECT_NE(outcome.out.find("http://127.0.0.1"), std::string::npos) << outcome.out;
     EXPECT_LT(outcome.code, 128) << outcome.out;
 }

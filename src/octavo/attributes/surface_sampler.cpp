@@ -182,14 +182,14 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
     t.has_holes_ = holes > 0;
     t.base_.texture = mip_texture(material.base_color_texture, holes);
     if (t.emits_) t.glow_.texture = mip_texture(material.emission_texture, 0);
-    const auto prepare_filter = [&](Triangle::Filter& filter, const std::array<vec2, 3>& corners) {
+    const auto prepare_filter = [&](Triangle::Filter& filter, const std::array<vec2, 3>& placed) {
         if (!filter.texture) return;
-        if (!place(filter, corners, t.weights_)) {
+        if (!place(filter, placed, t.weights_)) {
             filter.texture = nullptr;
             return;
         }
         choose_filter(filter, footprint);
-        simplify(filter, corners);
+        simplify(filter, placed);
     };
     prepare_filter(t.base_, look.coordinates);
     prepare_filter(t.glow_, look.of_emission);
@@ -273,7 +273,6 @@ vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec4&
         sum += filter.level->sample(middle + (i + first) * filter.step);
     return sum;
 }
-
 
 SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     SurfaceSample sample;

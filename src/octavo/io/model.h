@@ -18,7 +18,7 @@ struct Model {
     Attributes attributes;  // of its cells; may be empty. Their summary in metadata is made by
                             // write_octv() and read_octv()
 
-    CellLight light = {};   // of the same cells; may be empty. metadata.light says what from
+    CellLight light = {};  // of the same cells; may be empty. metadata.light says what from
 
     [[nodiscard]] const Grid& grid() const { return metadata.grid; }
 };

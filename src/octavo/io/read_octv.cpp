@@ -87,8 +87,8 @@ std::vector<Section> read_directory(SectionSource& source, Reading& reading) {
     reading.check(reading.times.read, [&] {
         source.fetch(0, kPageBytes);
         sections = decode_directory(source.bytes(), reading.path);
-        find_section(sections, kMetadataSection, reading.path);
-        find_section(sections, kDagSection, reading.path);
+        for (const std::uint32_t needed : {kMetadataSection, kDagSection})
+            (void)find_section(sections, needed, reading.path);
     });
     return sections;
 }

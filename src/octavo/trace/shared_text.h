@@ -46,8 +46,10 @@ using namespace glm;
 #define OCTAVO_PRECISE
 #else
 #define OCTAVO_PRECISE precise
-#define OCTAVO_ARRAY(name, type) \
-    layout(buffer_reference, scalar, buffer_reference_align = 4) buffer name { type at[]; };
+#define OCTAVO_ARRAY(name, type)                                               \
+    layout(buffer_reference, scalar, buffer_reference_align = 4) buffer name { \
+        type at[];                                                             \
+    };
 #endif
 
 #endif
