@@ -57,5 +57,5 @@ export default defineConfig({
         assetsInlineLimit: Infinity,
         chunkSizeWarningLimit: 4096,
     },
-    test: { testTimeout: 120000, hookTimeout: 120000 },
+    test: { testTimeout: 120000, hookTimeout: 120000, expect: { poll: { timeout: 10000 } } },
 });
