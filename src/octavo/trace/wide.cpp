@@ -31,7 +31,8 @@ HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::
         bool more = false;
         for (auto& walk : walks) more = walk.refill(reader, results) || more || !walk.idle();
         if (!more) break;
-        for (auto& walk : walks) walk.step();
+        for (auto& walk : walks)
+            if (!walk.idle()) walk.step();
     }
     for (auto& walk : walks) walk.tell(results);
 }
@@ -40,7 +41,7 @@ template <bool kCone, class Reader, class Results>
 HWY_INLINE void walk_all(shared::DagView dag, bool far_nodes, Reader& reader, shared::Stop stop,
                          Results& results) {
     if (far_nodes)
-        walk_with<kCone, true>(std::make_index_sequence<4>(), dag, reader, stop, results);
+        walk_with<kCone, true>(std::make_index_sequence<8>(), dag, reader, stop, results);
     else
         walk_with<kCone, false>(std::make_index_sequence<2>(), dag, reader, stop, results);
 }
@@ -93,11 +94,23 @@ struct ClosestResults {
     }
 };
 
+/// Leaves no ray out, and lets each miss until it is known to hit.
+struct Misses {
+    std::span<shared::GridHit> hits;
+
+    std::uint64_t without(std::size_t first, std::span<const shared::GridRay> some) {
+        for (std::size_t i = 0; i < some.size(); ++i)
+            hits[first + i] = shared::make_miss(some[i].t_max, 0);
+        return 0;
+    }
+    void soon(std::size_t first, std::size_t count) { prefetch(hits.subspan(first, count)); }
+};
+
 void TraceClosest(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
-                  shared::Stop stop, shared::GridHit* hits) {
-    ClosestResults results{dag.depth, hits};
-    AllRays all;
-    BatchReader reader(dag, rays, stop, all);
+                  shared::Stop stop, std::span<shared::GridHit> hits) {
+    ClosestResults results{dag.depth, hits.data()};
+    Misses misses{hits};
+    BatchReader reader(dag, rays, stop, misses);
     if (stop.cone > 0.0f)
         walk_all<true>(dag, far_nodes, reader, stop, results);
     else
@@ -118,6 +131,7 @@ struct Unproven {
     Prover& prover;
     std::uint8_t* occluded;
 
+    void soon(std::size_t /*first*/, std::size_t /*count*/) {}
     std::uint64_t without(std::size_t first, std::span<const shared::GridRay> some) {
         const std::uint64_t proven = prover.occluded(some);
         for (std::uint64_t rest = proven; rest != 0; rest &= rest - 1)
@@ -167,9 +181,9 @@ bool in_lanes(const Dag& dag, const shared::Stop& stop, WideWalk walk) {
            dag.words().size() < (1u << 31);
 }
 
-/// Measured with 2 MB of cache for each core: 12 and 30 MB were faster as near, 386 MB as far.
+/// Measured with 2 MB of cache for each core: 12 MB were faster as near, 30 to 386 MB as far.
 bool far_nodes(const Dag& dag, WideWalk walk) {
-    constexpr std::uint64_t kNearBytes = std::uint64_t{64} << 20;
+    constexpr std::uint64_t kNearBytes = std::uint64_t{20} << 20;
     return walk == WideWalk::by_size ? dag.size_bytes() > kNearBytes : walk == WideWalk::far_nodes;
 }
 
@@ -206,9 +220,12 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
             hits[i] = shared::trace_closest(view, rays[i], stop);
         return;
     }
-    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = shared::make_miss(rays[i].t_max, 0);
-    if (!dag.empty())
-        HWY_DYNAMIC_DISPATCH(TraceClosest)(view, far_nodes(dag, walk), rays, stop, hits.data());
+    if (dag.empty()) {
+        for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = shared::make_miss(rays[i].t_max, 0);
+        return;
+    }
+    HWY_DYNAMIC_DISPATCH(TraceClosest)
+    (view, far_nodes(dag, walk), rays, stop, hits.first(rays.size()));
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,

@@ -112,17 +112,22 @@ struct Batch {
     std::int32_t nodes[kMaxDepth + 1];  // by height, from the root to `top`
 };
 
-/// Leaves no ray of a batch out.
+/// Leaves no ray of a batch out, and has nothing to ask for.
 struct AllRays {
     std::uint64_t without(std::size_t /*first*/, std::span<const shared::GridRay> /*some*/) {
         return 0;
     }
+    void soon(std::size_t /*first*/, std::size_t /*count*/) {}
 };
 
 /// Hands out rays in batches.
 ///
+/// The rays of the next batch are asked for as those of this one are taken. All at once would be
+/// more than a core can wait for, and none would make it wait for each.
+///
 /// @tparam Filter  without(first, some) has a bit for each ray of a batch, the first one's number
-///                 being `first`, that need not be traced
+///                 being `first`, that need not be traced; soon(first, count) may ask for what it
+///                 will write of these rays
 template <class Filter>
 class BatchReader {
 public:
@@ -139,6 +144,11 @@ public:
     std::size_t take(std::size_t count) {
         const std::size_t first = next_;
         next_ += count;
+        const std::size_t soon = next_ray_ + first;
+        if (soon + count <= rays_.size()) {
+            prefetch(rays_.subspan(soon, count));
+            filter_.soon(soon, count);
+        }
         return first;
     }
     [[nodiscard]] const Batch& batch() const { return batch_; }
@@ -166,16 +176,26 @@ private:
         const FloatMask live = hn::And(rays.live, hn::LoadMaskBits(df, bits));
         const IntMask live_int = hn::RebindMask(di, live);
         const std::size_t n = batch_.count;
-        for (int axis = 0; axis < 3; ++axis) {
-            hn::CompressStore(rays.cell[axis], live_int, di, batch_.cell[axis] + n);
-            hn::CompressStore(rays.frac[axis], live, df, batch_.frac[axis] + n);
-            hn::CompressStore(rays.inv_dir[axis], live, df, batch_.inv_dir[axis] + n);
-        }
-        hn::CompressStore(rays.low, live, df, batch_.t + n);
-        hn::CompressStore(rays.high, live, df, batch_.t_end + n);
-        hn::CompressStore(rays.down, live_int, di, batch_.down + n);
         const Ints ray = hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<int>(first)));
-        batch_.count = n + hn::CompressStore(ray, live_int, di, batch_.ray + n);
+        const auto store = [&](const auto& keep_ints, const auto& keep_floats) {
+            for (int axis = 0; axis < 3; ++axis) {
+                keep_ints(rays.cell[axis], batch_.cell[axis] + n);
+                keep_floats(rays.frac[axis], batch_.frac[axis] + n);
+                keep_floats(rays.inv_dir[axis], batch_.inv_dir[axis] + n);
+            }
+            keep_floats(rays.low, batch_.t + n);
+            keep_floats(rays.high, batch_.t_end + n);
+            keep_ints(rays.down, batch_.down + n);
+            keep_ints(ray, batch_.ray + n);
+        };
+        // Nearly always all of them: a store that leaves some out takes several times as long.
+        if (hn::AllTrue(di, live_int))
+            store([&](Ints from, std::int32_t* to) { hn::StoreU(from, di, to); },
+                  [&](Floats from, float* to) { hn::StoreU(from, df, to); });
+        else
+            store([&](Ints from, std::int32_t* to) { hn::CompressStore(from, live_int, di, to); },
+                  [&](Floats from, float* to) { hn::CompressStore(from, live, df, to); });
+        batch_.count = n + hn::CountTrue(di, live_int);
     }
 
     /// The real cell that the ray is in when it starts: nearly always, see place().
@@ -214,7 +234,8 @@ private:
                 differ = hn::Or(differ, hn::IfThenElseZero(in, other));
             }
         }
-        for (std::size_t i = 1; i < batch_.count; ++i) latest = std::max(latest, batch_.t[i]);
+        if (stop_.cone > 0.0f)
+            for (std::size_t i = 1; i < batch_.count; ++i) latest = std::max(latest, batch_.t[i]);
         HWY_ALIGN std::int32_t differ_lanes[kLanes];
         hn::Store(differ, di, differ_lanes);
         std::uint32_t any = 0;

@@ -9,10 +9,12 @@
 #define OCTAVO_TRACE_WIDE_LANES_INL_H
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #undef OCTAVO_WIDE_AVX512
 #define OCTAVO_WIDE_AVX512 (HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL)
@@ -107,6 +109,14 @@ HWY_INLINE Ints count_bits(Ints bytes) {
     v = hn::Add(hn::And(v, hn::Set(di, 0x33)), hn::And(hn::ShiftRight<2>(v), hn::Set(di, 0x33)));
     return hn::And(hn::Add(v, hn::ShiftRight<4>(v)), hn::Set(di, 15));
 #endif
+}
+
+/// Asks for these to be brought into the cache.
+template <class T>
+HWY_INLINE void prefetch(std::span<T> some) {
+    constexpr std::size_t kLine = 64;
+    const char* const begin = reinterpret_cast<const char*>(some.data());
+    for (std::size_t at = 0; at < some.size_bytes(); at += kLine) hwy::Prefetch(begin + at);
 }
 
 }  // namespace octavo::HWY_NAMESPACE
