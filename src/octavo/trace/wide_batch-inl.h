@@ -101,6 +101,7 @@ struct Batch {
     HWY_ALIGN float t_end[kSize];
     HWY_ALIGN std::int32_t down[kSize];  // a child number: the axes that are mirrored
     HWY_ALIGN std::int32_t ray[kSize];
+    HWY_ALIGN std::int32_t start[3][kSize];  // a real voxel
 
     // The cell that the ray starts in, one below the node that holds the batch, or below the root.
     HWY_ALIGN std::int32_t corner[3][kSize];
@@ -177,9 +178,11 @@ private:
         const IntMask live_int = hn::RebindMask(di, live);
         const std::size_t n = batch_.count;
         const Ints ray = hn::Add(hn::Iota(di, 0), hn::Set(di, static_cast<int>(first)));
+        const Ints start[3] = {start_voxel(rays, 0), start_voxel(rays, 1), start_voxel(rays, 2)};
         const auto store = [&](const auto& keep_ints, const auto& keep_floats) {
             for (int axis = 0; axis < 3; ++axis) {
                 keep_ints(rays.cell[axis], batch_.cell[axis] + n);
+                keep_ints(start[axis], batch_.start[axis] + n);
                 keep_floats(rays.frac[axis], batch_.frac[axis] + n);
                 keep_floats(rays.inv_dir[axis], batch_.inv_dir[axis] + n);
             }
@@ -198,17 +201,16 @@ private:
         batch_.count = n + hn::CountTrue(di, live_int);
     }
 
-    /// The real cell that the ray is in when it starts: nearly always, see place().
-    HWY_INLINE Ints start_cell(std::size_t i, int axis) const {
+    /// The real voxel that each ray is in when it starts: nearly always, see place().
+    HWY_INLINE Ints start_voxel(const RayLanes& rays, int axis) const {
         const FloatTag df;
         const IntTag di;
-        const Floats way =
-            hn::Div(hn::Load(df, batch_.t + i), hn::Load(df, batch_.inv_dir[axis] + i));
-        const Floats offset = hn::Floor(hn::Add(hn::Load(df, batch_.frac[axis] + i), way));
+        const Floats way = hn::Mul(rays.low, hn::Abs(rays.dir[axis]));
+        const Floats offset = hn::Floor(hn::Add(rays.frac[axis], way));
         const Ints last = hn::Set(di, (1 << dag_.depth) - 1);
-        const Ints up = hn::Add(hn::Load(di, batch_.cell[axis] + i), hn::ConvertTo(di, offset));
+        const Ints up = hn::Add(rays.cell[axis], hn::ConvertTo(di, offset));
         const Ints inside = hn::Min(hn::Max(up, hn::Zero(di)), last);
-        return hn::Xor(inside, hn::And(last, is_down(i, axis)));
+        return xor_where(has_any(rays.down, hn::Set(di, 1 << axis)), inside, last);
     }
     /// All bits where the axis is mirrored.
     HWY_INLINE Ints is_down(std::size_t i, int axis) const {
@@ -226,10 +228,10 @@ private:
         ivec3 first;
         float latest = batch_.t[0];
         for (int axis = 0; axis < 3; ++axis) {
-            const Ints one = start_cell(0, axis);
-            first[axis] = hn::GetLane(one);
+            first[axis] = batch_.start[axis][0];
             for (std::size_t i = 0; i < batch_.count; i += kLanes) {
-                const Ints other = hn::Xor(start_cell(i, axis), hn::Set(di, first[axis]));
+                const Ints other =
+                    hn::Xor(hn::Load(di, batch_.start[axis] + i), hn::Set(di, first[axis]));
                 const IntMask in = hn::RebindMask(di, hn::FirstN(df, batch_.count - i));
                 differ = hn::Or(differ, hn::IfThenElseZero(in, other));
             }

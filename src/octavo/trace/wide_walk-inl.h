@@ -138,10 +138,10 @@ public:
                              words_ + 1, pointer);
         t_ = hn::IfThenElse(hn::RebindMask(df, advances), exit, t_);
         height_ = hn::IfThenElse(advances, last, subtract_where(descends, height_, one));
+        const Ints down = hn::IfThenElseZero(descends, half);
         for (int axis = 0; axis < 3; ++axis)
             corner_[axis] =
-                and_where(advances, add_where(hn::And(descends, high[axis]), corner_[axis], half),
-                          on[axis], align);
+                and_where(advances, add_where(high[axis], corner_[axis], down), on[axis], align);
         // It stands at its place already where the ray has gone on.
         hn::ScatterIndex(node_, di, stack_, stack_place(height_));
         if constexpr (kPrefetch)
