@@ -8,6 +8,7 @@
 #include "octavo/construct/build.h"
 #include "octavo/core/memory.h"
 #include "octavo/dag/statistics.h"
+#include "octavo/mesh/alpha.h"
 #include "octavo/mesh/decode_textures.h"
 #include "octavo/mesh/save.h"
 
@@ -100,6 +101,18 @@ TEST(Obj, ReadsMaterialsWithTexturesEmissionAndHoles) {
     EXPECT_EQ(scene.texture_coordinates[scene.triangles[0].z], vec2(0, 0.75));
     EXPECT_EQ(scene.texture_coordinates[scene.triangles[1].x], vec2(1, 1));
     EXPECT_EQ(scene.positions[scene.triangles[0].x], scene.positions[scene.triangles[1].x]);
+}
+
+TEST(Obj, TakesAMaterialWithoutADefinitionForClayOrByTheColorsOfCorners) {
+    const TemporaryFolder folder;
+    const std::string rest = "v 1 0 0\nv 0 1 0\nusemtl nobody\nf 1 2 3\n";
+    const Scene plain = load_scene(folder.write("plain.obj", "v 0 0 0\n" + rest));
+    ASSERT_EQ(plain.materials.size(), 1u);
+    EXPECT_EQ(plain.materials[0].base_color, plain_material(false).base_color);
+    EXPECT_TRUE(mentions(plain, "1 materials have a name but no definition"));
+    const Scene colored = load_scene(folder.write("colored.obj", "v 0 0 0 1 0.5 0\n" + rest));
+    ASSERT_EQ(colored.materials.size(), 1u);
+    EXPECT_EQ(colored.materials[0].base_color, vec4(1.0f));
 }
 
 /// A texture of grey bytes, as an uncompressed TGA.

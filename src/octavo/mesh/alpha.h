@@ -8,7 +8,7 @@
 
 namespace octavo {
 
-/// What a triangle without a material looks like, in files that say nothing of colours: clay, which
+/// What a triangle looks like that has no material, or one whose definition is missing: clay, which
 /// render takes where a scene has no attributes. White where corners have colours, as these
 /// multiply it. A material of a file that names no colour is white, as glTF has it.
 [[nodiscard]] const Material& plain_material(bool corners_have_colors);

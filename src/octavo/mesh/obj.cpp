@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string>
 
+#include "octavo/mesh/alpha.h"
 #include "octavo/mesh/color.h"
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/formats.h"
@@ -204,7 +205,8 @@ private:
 
     void resolve_materials() {
         if (used_names_.empty()) return;
-        // A name alone still tells surfaces apart.
+        // A name alone still tells surfaces apart, but says nothing of their colour.
+        Material unknown = plain_material(!scene_.colors.empty());
         std::size_t undefined = 0;
         std::vector<std::uint32_t> index_of(used_names_.size());
         for (const auto& [name, use] : used_names_) {
@@ -212,7 +214,8 @@ private:
             const auto [found, is_new] = materials_.emplace(name, next);
             index_of[use] = found->second;
             if (!is_new) continue;
-            scene_.materials.emplace_back().name = name;
+            unknown.name = name;
+            scene_.materials.push_back(unknown);
             ++undefined;
         }
         if (undefined != 0)
