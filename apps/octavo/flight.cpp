@@ -25,7 +25,7 @@ dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 
 Flight::Flight(const Model& model, std::optional<CameraPath> path, int frames, double aspect)
     : path_(std::move(path)),
-      content_(content_bounds(model.dag, model.grid())),
+      content_(framed_box(model.dag, model.grid())),
       start_(model.metadata.cameras.empty() ? default_camera(content_, kUp, aspect)
                                             : model.metadata.cameras.front()),
       sun_(default_sun(start_, kUp)),

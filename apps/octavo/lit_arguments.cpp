@@ -117,8 +117,7 @@ dmat4 placement_of(const JsonField& object) {
 
 /// What there is to light.
 Box lit_box(const Model& model) {
-    const Box box = content_bounds(model.dag, model.grid());
-    return box.empty() ? model.grid().bounds() : box;
+    return framed_box(model.dag, model.grid());
 }
 
 }  // namespace

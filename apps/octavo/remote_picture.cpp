@@ -86,8 +86,7 @@ struct RemotePicture::Stage {
 
 RemotePicture::RemotePicture(const std::filesystem::path& file)
     : file_(file), model_(read_octv(file)) {
-    bounds_ = content_bounds(model_.dag, model_.grid());
-    if (bounds_.empty()) bounds_ = model_.grid().bounds();
+    bounds_ = framed_box(model_.dag, model_.grid());
     device_ = open_device("auto");
     on_device_ = device_->upload(model_.dag, model_.attributes, model_.light);
 }
@@ -118,7 +117,7 @@ RemotePicture::Wish RemotePicture::parse(const std::string& body) const {
     options.up = read_vec3(json, "up");
     const dvec3 eye = read_vec3(json, "eye");
     options.camera =
-        look_at(eye, eye + read_vec3(json, "forward"), options.up, json.at("fov").get<double>());
+        look_along(eye, read_vec3(json, "forward"), options.up, json.at("fov").get<double>());
     const std::string shadows = json.at("shadows").get<std::string>();
     options.shadows = shadows == "none"   ? Shadows::none
                       : shadows == "hard" ? Shadows::hard

@@ -119,8 +119,7 @@ Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
     } else if (!arguments.eye && !arguments.overview && !model.metadata.cameras.empty()) {
         camera = model.metadata.cameras.front();
     } else {
-        const Box box = content_bounds(model.dag, model.grid());
-        const Box shown = box.empty() ? model.grid().bounds() : box;
+        const Box shown = framed_box(model.dag, model.grid());
         const double fov = arguments.fov_degrees.value_or(kDefaultFovDegrees) * kRadiansPerDegree;
         if (arguments.eye)
             return look_at(*arguments.eye, arguments.at.value_or(shown.centre()),

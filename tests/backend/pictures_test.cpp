@@ -111,9 +111,8 @@ void expect_same(const std::string& device, const Image& found, const Grid& grid
 }
 
 RenderOptions with_camera(RenderOptions options, const Dag& dag, const Grid& grid) {
-    const Box box = content_bounds(dag, grid);
     if (!options.camera)
-        options.camera = default_camera(box.empty() ? grid.bounds() : box, options.up,
+        options.camera = default_camera(framed_box(dag, grid), options.up,
                                         static_cast<double>(options.width) / options.height);
     return options;
 }

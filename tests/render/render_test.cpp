@@ -80,6 +80,20 @@ TEST(Render, ThreadsChangeNoBitOfThePicture) {
     EXPECT_FALSE(one == render(sphere_on_floor(), kGrid, options));
 }
 
+TEST(Render, UnitOfTheWorldChangesNoBitOfThePicture) {
+    const Image one = render(sphere_on_floor(), kGrid, small_picture());
+    for (const int power : {-100, -30, 30, 100}) {
+        Grid grid = kGrid;
+        grid.origin *= std::exp2(power);
+        grid.voxel_size *= std::exp2(power);
+        RenderOptions options = small_picture();
+        EXPECT_TRUE(one.color == render(sphere_on_floor(), grid, options).color) << power;
+        options.camera = default_camera(framed_box(sphere_on_floor(), grid), options.up,
+                                        static_cast<double>(options.width) / options.height);
+        EXPECT_TRUE(one.color == render(sphere_on_floor(), grid, options).color) << power;
+    }
+}
+
 TEST(Render, LitPlaneHasNoAcne) {
     // Straight, and slanted so that it is a staircase; sunlit at 60 degrees and at a grazing 15.
     for (const ivec3& a : {ivec3(0, 1, 0), ivec3(1, 7, 2), ivec3(-3, 11, 4)})

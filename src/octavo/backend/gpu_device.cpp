@@ -144,7 +144,7 @@ public:
             throw Error(Errc::bad_argument, "an object has no stored light");
         RenderOptions lit = options;
         if (!lit.sky) lit.sky = Sky::clear(options.up);
-        const PixelRays rays(lit.camera.value_or(framing_camera(gpu_dag.host, grid, options)), grid,
+        const PixelRays rays(picture_camera(options, framed_box(gpu_dag.host, grid)), grid,
                              options.width, options.height);
         return draw(gpu_dag, grid, lit, rays, false, [&](Band& band, bool begins) {
             if (begins) {

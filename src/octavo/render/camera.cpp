@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
-#include "octavo/render/render.h"
 
 namespace octavo {
 namespace {
@@ -30,11 +29,16 @@ dvec3 any_perpendicular(const dvec3& v) {
     return glm::normalize(axis - v * glm::dot(axis, v));
 }
 
-dvec3 checked_up(const dvec3& up) {
-    const double length = glm::length(up);
-    if (!finite(up) || length == 0.0)
-        throw Error(Errc::bad_argument, "the up direction is zero or not finite");
-    return up / length;
+dvec3 unit(const dvec3& direction, const char* name) {
+    const double longest =
+        std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+    if (!finite(direction) || longest == 0.0)
+        throw Error(Errc::bad_argument, std::string(name) + " is zero or not finite");
+    return glm::normalize(direction / longest);  // whose square is in range
+}
+
+dvec3 unit_up(const dvec3& up) {
+    return unit(up, "the up direction");
 }
 
 }  // namespace
@@ -66,16 +70,14 @@ PixelRays::PixelRays(const Camera& camera, const Grid& grid, int width, int heig
     view_.t_before = static_cast<float>(t_before);
 }
 
-Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up, double vertical_fov) {
-    if (!finite(eye) || !finite(target))
-        throw Error(Errc::bad_argument, "the camera's position or target is not finite");
-    if (eye == target) throw Error(Errc::bad_argument, "the camera stands where it looks at");
+Camera look_along(const dvec3& eye, const dvec3& forward, const dvec3& up, double vertical_fov) {
+    if (!finite(eye)) throw Error(Errc::bad_argument, "the camera's position is not finite");
     if (!(vertical_fov > 0.0 && vertical_fov < 3.14159))
         throw Error(Errc::bad_argument, "the field of view is not in 0 to 180 degrees");
     Camera camera;
     camera.eye = eye;
-    camera.forward = glm::normalize(target - eye);
-    const dvec3 right = glm::cross(camera.forward, checked_up(up));
+    camera.forward = unit(forward, "the camera's direction");
+    const dvec3 right = glm::cross(camera.forward, unit_up(up));
     if (glm::length(right) < 1e-9)
         throw Error(Errc::bad_argument, "the camera's up direction is parallel to its view");
     camera.up = glm::normalize(glm::cross(right, camera.forward));
@@ -83,16 +85,21 @@ Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up, double ve
     return camera;
 }
 
+Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up, double vertical_fov) {
+    if (eye == target) throw Error(Errc::bad_argument, "the camera stands where it looks at");
+    return look_along(eye, target - eye, up, vertical_fov);
+}
+
 Camera default_camera(const Box& box, const dvec3& up, double aspect) {
-    const dvec3 y = checked_up(up);
+    const dvec3 y = unit_up(up);
     const dvec3 z = any_perpendicular(y);
     const dvec3 x = glm::cross(y, z);
     const dvec3 towards_eye = glm::normalize(1.0 * x + 0.6 * y + 1.4 * z);
     const double fov = 4.0 * kTenDegrees;
     const double slope = std::tan(0.5 * fov);
-    Camera camera = look_at(box.centre() + towards_eye, box.centre(), y, fov);
+    Camera camera = look_along({}, -towards_eye, y, fov);
     const dvec3 right = glm::cross(camera.forward, camera.up);
-    double distance = 1e-12;
+    double distance = 0.0;
     for (int i = 0; i < 8; ++i) {
         const dvec3 to_corner = (dvec3(i & 1, i >> 1 & 1, i >> 2) - 0.5) * box.size();
         const double height = std::abs(glm::dot(to_corner, camera.up)) / slope;
@@ -100,14 +107,23 @@ Camera default_camera(const Box& box, const dvec3& up, double aspect) {
         distance =
             std::max(distance, std::max(height, width) - glm::dot(to_corner, camera.forward));
     }
+    if (distance == 0.0) distance = 1.0;  // a point, whose grid has that side
     camera.eye = box.centre() + 1.04 * distance * towards_eye;
     return camera;
+}
+
+Camera picture_camera(const RenderOptions& options, const Box& framed) {
+    if (!options.camera)
+        return default_camera(framed, options.up,
+                              static_cast<double>(options.width) / options.height);
+    const Camera& asked = *options.camera;
+    return look_along(asked.eye, asked.forward, asked.up, asked.vertical_fov);
 }
 
 Light sun_at(double azimuth, double elevation, const dvec3& up) {
     if (!std::isfinite(azimuth) || !std::isfinite(elevation))
         throw Error(Errc::bad_argument, "the sun's azimuth or elevation is not finite");
-    const dvec3 y = checked_up(up);
+    const dvec3 y = unit_up(up);
     const dvec3 z = any_perpendicular(y);
     const dvec3 x = glm::cross(y, z);
     Light sun;
@@ -120,7 +136,7 @@ Light sun_at(double azimuth, double elevation, const dvec3& up) {
 }
 
 Light default_sun(const Camera& camera, const dvec3& up) {
-    const dvec3 y = checked_up(up);
+    const dvec3 y = unit_up(up);
     const dvec3 z = any_perpendicular(y);
     const dvec3 x = glm::cross(y, z);
     const double behind = std::atan2(-glm::dot(camera.forward, x), -glm::dot(camera.forward, z));

@@ -7,6 +7,7 @@
 #include "octavo/core/grid.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/render/effects.h"
+#include "octavo/render/render.h"
 
 namespace octavo {
 
@@ -47,5 +48,9 @@ private:
     double pitch_;
     bool sees_nothing_ = false;
 };
+
+/// The camera of a picture: the one that is asked for, or default_camera() of the box.
+/// @throws Error  bad_argument where the camera that is asked for is none, see look_along()
+[[nodiscard]] Camera picture_camera(const RenderOptions& options, const Box& framed);
 
 }  // namespace octavo

@@ -54,4 +54,9 @@ Box content_bounds(const Dag& dag, const Grid& grid) {
     return {grid.to_world(dvec3(search.low)), grid.to_world(dvec3(search.high))};
 }
 
+Box framed_box(const Dag& dag, const Grid& grid) {
+    const Box content = content_bounds(dag, grid);
+    return content.empty() ? grid.bounds() : content;
+}
+
 }  // namespace octavo

@@ -86,15 +86,22 @@ struct RenderOptions {
 /// DAG. Cost: at most 2^24 cells, far fewer for surfaces.
 [[nodiscard]] Box content_bounds(const Dag& dag, const Grid& grid);
 
+/// content_bounds(); those of the grid where there is no voxel.
+[[nodiscard]] Box framed_box(const Dag& dag, const Grid& grid);
+
 /// A camera that sees the whole box from a little above, from the direction (1, 0.6, 1.4) about
 /// `up`.
 [[nodiscard]] Camera default_camera(const Box& box, const dvec3& up, double aspect);
 
-/// A camera from three points of the command line.
+/// A camera at a place that looks in a direction.
 ///
+/// @param forward, up   of any length
 /// @param vertical_fov  radians, in (0, pi)
-/// @throws Error        bad_argument where eye and target coincide, `up` is parallel to the view, a
+/// @throws Error        bad_argument where a direction is zero, `up` is parallel to the view, a
 ///                      number is not finite or the field of view is out of range
+[[nodiscard]] Camera look_along(const dvec3& eye, const dvec3& forward, const dvec3& up,
+                                double vertical_fov);
+/// The same towards a point. @throws Error also where eye and target coincide
 [[nodiscard]] Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up,
                              double vertical_fov);
 

@@ -33,8 +33,8 @@ public:
     LitPicture(const LitScene& scene, Lighting lighting, const RenderOptions& options)
         : lighting_(lighting),
           options_(options),
-          camera_(options.camera.value_or(
-              framing_camera(scene.objects.front().dag, scene.objects.front().grid, options))),
+          camera_(picture_camera(
+              options, framed_box(scene.objects.front().dag, scene.objects.front().grid))),
           world_(scene, camera_.eye, options.wide ? WideWalk::by_size : WideWalk::one_by_one),
           rays_(camera_, world_.instances().grid(), options.width, options.height) {
         counts_ = {options.shadow_samples, std::max(1, options.ao_samples),
@@ -203,12 +203,6 @@ void check(const LitScene& scene, Lighting lighting, const RenderOptions& option
 }
 
 }  // namespace
-
-Camera framing_camera(const Dag& dag, const Grid& grid, const RenderOptions& options) {
-    const Box content = content_bounds(dag, grid);
-    return default_camera(content.empty() ? grid.bounds() : content, options.up,
-                          static_cast<double>(options.width) / options.height);
-}
 
 void check_lit(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };

@@ -31,9 +31,6 @@ enum class Lighting {
 [[nodiscard]] Image render_lit(const LitScene& scene, Lighting lighting,
                                const RenderOptions& options);
 
-/// The camera of a picture that asks for none: sees all voxels of the first object.
-[[nodiscard]] Camera framing_camera(const Dag& dag, const Grid& grid, const RenderOptions& options);
-
 /// @throws Error  bad_argument where render_lit() does for its options
 void check_lit(const RenderOptions& options);
 

@@ -28,20 +28,12 @@ void check(const RenderOptions& o) {
             refuse("a light's size is negative or not finite");
 }
 
-Camera checked_camera(const Box& content, const Grid& grid, const RenderOptions& options) {
-    if (!options.camera)
-        return default_camera(content.empty() ? grid.bounds() : content, options.up,
-                              static_cast<double>(options.width) / options.height);
-    const Camera& c = *options.camera;
-    return look_at(c.eye, c.eye + c.forward, c.up, c.vertical_fov);
-}
-
 }  // namespace
 
 RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options) {
     check(options);
     const Box content = content_bounds(dag, grid);
-    const Camera camera = checked_camera(content, grid, options);
+    const Camera camera = picture_camera(options, content.empty() ? grid.bounds() : content);
     RenderSettings settings{PixelRays(camera, grid, options.width, options.height),
                             options.lights.value_or(std::vector{default_sun(camera, options.up)}),
                             vec3(glm::normalize(options.up)),

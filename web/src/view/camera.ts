@@ -113,7 +113,7 @@ export function framing(box: Box, axes: Axes, { aspect, clear }: Frame, towardsE
     const up = cross(right, forward);
     const slope = Math.tan(0.5 * verticalFov);
     const wide = slope * aspect;
-    let distance = 1e-12;
+    let distance = 0;
     for (let i = 0; i < 8; i += 1) {
         const toCorner: Vec3 = [
             ((i & 1) - 0.5) * size[0],
