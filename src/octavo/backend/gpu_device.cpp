@@ -139,7 +139,7 @@ public:
     [[nodiscard]] Image render_cached(const DeviceDag& dag, const Grid& grid,
                                       const RenderOptions& options) override {
         const auto& gpu_dag = static_cast<const GpuDag&>(dag);
-        check_lit(options);
+        check(options);
         if (!gpu_dag.model.has_light && !gpu_dag.host.empty())
             throw Error(Errc::bad_argument, "an object has no stored light");
         RenderOptions lit = options;

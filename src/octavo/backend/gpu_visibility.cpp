@@ -11,41 +11,62 @@ namespace {
 /// Points that are worked on at once: they fill any GPU, and bound the scratch memory.
 constexpr std::uint64_t kPointsAtOnce = 1 << 19;
 
-/// Sets what the points of a G-buffer are read by.
-void set_gbuffer(shared::PixelJob& job, const shared::DagView& dag, const Grid& grid,
-                 const DeviceGBuffer& gbuffer) {
-    job.dag = dag;
-    job.grid_origin_high = vec3(grid.origin);
-    job.grid_origin_low = vec3(grid.origin - dvec3(job.grid_origin_high));
-    job.voxels_per_unit = static_cast<float>(1.0 / grid.voxel_size);
-    job.bias = 1.0f;
-    job.position_stride = gbuffer.position_stride;
-    job.normal_stride = gbuffer.normal_stride;
-}
+/// Goes through the points of a G-buffer part by part, with room on the device for one part.
+class GBufferParts {
+public:
+    GBufferParts(PassQueue& queue, const shared::DagView& dag, const Grid& grid,
+                 const DeviceGBuffer& gbuffer)
+        : queue_(queue),
+          gbuffer_(gbuffer),
+          most_(std::min(kPointsAtOnce, gbuffer.points)),
+          points_(queue, most_),
+          sky_seen_(queue, most_),
+          lamp_seen_(queue, most_) {
+        job.dag = dag;
+        job.grid_origin_high = vec3(grid.origin);
+        job.grid_origin_low = vec3(grid.origin - dvec3(job.grid_origin_high));
+        job.voxels_per_unit = static_cast<float>(1.0 / grid.voxel_size);
+        job.bias = 1.0f;
+        job.position_stride = gbuffer.position_stride;
+        job.normal_stride = gbuffer.normal_stride;
+        job.points = points_.get();
+        job.sky_seen = sky_seen_.get();
+        job.lamp_seen = lamp_seen_.get();
+    }
 
-/// From which of its points on.
-void set_first_point(shared::PixelJob& job, const DeviceGBuffer& gbuffer, std::uint64_t first) {
-    const auto offset = static_cast<std::ptrdiff_t>(first);
-    job.first_point = static_cast<std::uint32_t>(first);
-    job.positions.at = const_cast<float*>(gbuffer.positions) + offset * gbuffer.position_stride;
-    job.normals.at = const_cast<float*>(gbuffer.normals) + offset * gbuffer.normal_stride;
-}
+    /// Calls run(first, count) once the job's points are those from `first` on.
+    void for_each(const auto& run) {
+        for (std::uint64_t first = 0; first < gbuffer_.points; first += most_) {
+            const std::uint64_t count = std::min(most_, gbuffer_.points - first);
+            const auto offset = static_cast<std::ptrdiff_t>(first);
+            job.first_point = static_cast<std::uint32_t>(first);
+            job.positions.at =
+                const_cast<float*>(gbuffer_.positions) + offset * gbuffer_.position_stride;
+            job.normals.at = const_cast<float*>(gbuffer_.normals) + offset * gbuffer_.normal_stride;
+            queue_.run(Pass::gbuffer, job, count);
+            run(first, count);
+        }
+    }
+
+    shared::PixelJob job{};
+
+private:
+    PassQueue& queue_;
+    const DeviceGBuffer& gbuffer_;
+    std::uint64_t most_;
+    DeviceArray<shared::PointArray> points_;
+    DeviceArray<shared::UintArray> sky_seen_;
+    DeviceArray<shared::LightArray> lamp_seen_;
+};
 
 }  // namespace
 
 void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& grid,
                       const DeviceGBuffer& gbuffer, const GpuLamp* lamp,
                       const VisibilityOptions& options, float* shadow, float* ambient) {
-    const std::uint64_t most = std::min(kPointsAtOnce, gbuffer.points);
-    if (most == 0) return;
-    const DeviceArray<shared::PointArray> points(queue, most);
-    const DeviceArray<shared::UintArray> sky_seen(queue, most);
-    const DeviceArray<shared::LightArray> lamp_seen(queue, most);
-    shared::PixelJob job{};
-    set_gbuffer(job, dag, grid, gbuffer);
-    job.points = points.get();
-    job.sky_seen = sky_seen.get();
-    job.lamp_seen = lamp_seen.get();
+    if (gbuffer.points == 0) return;
+    GBufferParts parts(queue, dag, grid, gbuffer);
+    shared::PixelJob& job = parts.job;
     job.frame = options.frame;
     job.bias = static_cast<float>(options.bias);
     job.sky_rays = options.ao_samples;
@@ -55,28 +76,24 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
     job.lamp_beams = 1;
     job.shadows = 1;
     if (lamp != nullptr) job.lamp = lamp->placed;
-    for (std::uint64_t first = 0; first < gbuffer.points; first += most) {
-        const std::uint64_t some = std::min(most, gbuffer.points - first);
-        const auto offset = static_cast<std::ptrdiff_t>(first);
-        set_first_point(job, gbuffer, first);
-        queue.run(Pass::gbuffer, job, some);
+    parts.for_each([&](std::uint64_t first, std::uint64_t count) {
         if (ambient != nullptr && options.ao_samples > 0) {
-            job.ambient.at = ambient + offset;
+            job.ambient.at = ambient + first;
             in_parts(job, {0, options.ao_samples}, [&] {
-                queue.run(Pass::sky, job, some);
+                queue.run(Pass::sky, job, count);
                 queue.cut();
             });
-            queue.run(Pass::ambient_out, job, some);
+            queue.run(Pass::ambient_out, job, count);
         }
         if (shadow != nullptr && lamp != nullptr) {
-            job.shadow.at = shadow + offset;
+            job.shadow.at = shadow + first;
             in_parts(job, {0, options.shadow_samples}, [&] {
-                queue.run(Pass::lamp, job, some);
+                queue.run(Pass::lamp, job, count);
                 queue.cut();
             });
-            queue.run(Pass::shadow_out, job, some);
+            queue.run(Pass::shadow_out, job, count);
         }
-    }
+    });
 }
 
 GpuModel::GpuModel(PassQueue& queue, const Dag& model, const Attributes& attributes,
@@ -112,34 +129,24 @@ void queue_looks(PassQueue& queue, const GpuModel& model, const Grid& grid,
         throw Error(Errc::bad_argument, "the DAG was uploaded without attributes");
     if (out.light != nullptr && !model.has_light)
         throw Error(Errc::bad_argument, "the DAG was uploaded without stored light");
-    const std::uint64_t most = std::min(kPointsAtOnce, gbuffer.points);
-    if (most == 0) return;
-    const DeviceArray<shared::PointArray> points(queue, most);
-    const DeviceArray<shared::UintArray> sky_seen(queue, most);
-    const DeviceArray<shared::LightArray> lamp_seen(queue, most);
-    shared::PixelJob job{};
-    set_gbuffer(job, model.dag, grid, gbuffer);
-    job.points = points.get();
-    job.sky_seen = sky_seen.get();
-    job.lamp_seen = lamp_seen.get();
+    if (gbuffer.points == 0) return;
+    GBufferParts parts(queue, model.dag, grid, gbuffer);
+    shared::PixelJob& job = parts.job;
     job.looks = model.looks;
     job.cell_light = model.light;
     job.wanted = (out.albedo != nullptr ? shared::kWantAlbedo : 0) |
                  (out.emission != nullptr ? shared::kWantEmission : 0) |
                  (out.light != nullptr ? shared::kWantLight : 0);
-    for (std::uint64_t first = 0; first < gbuffer.points; first += most) {
-        const std::uint64_t some = std::min(most, gbuffer.points - first);
+    parts.for_each([&](std::uint64_t first, std::uint64_t count) {
         const auto part = [&](float* all) {
             return shared::FloatArray{all == nullptr ? nullptr : all + 3 * first};
         };
-        set_first_point(job, gbuffer, first);
         job.point_albedo = part(out.albedo);
         job.point_emission = part(out.emission);
         job.point_light = part(out.light);
-        queue.run(Pass::gbuffer, job, some);
-        queue.run(Pass::gbuffer_looks, job, some);
+        queue.run(Pass::gbuffer_looks, job, count);
         queue.cut();
-    }
+    });
 }
 
 }  // namespace octavo

@@ -15,8 +15,8 @@
 #include "octavo/core/parallel.h"
 #include "octavo/light/cell_views.h"
 #include "octavo/light/gather.h"
-#include "octavo/render/camera.h"
 #include "octavo/render/effects.h"
+#include "octavo/render/settings.h"
 
 namespace octavo {
 namespace {
@@ -196,22 +196,13 @@ private:
 void check(const LitScene& scene, Lighting lighting, const RenderOptions& options) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
     if (scene.objects.empty()) refuse("a scene has 1 to 2^20 objects");
-    check_lit(options);
+    check(options);
     for (const LitObject& object : scene.objects)
         if (lighting == Lighting::cached && !object.dag.empty() && object.light.empty())
             refuse("an object has no stored light");
 }
 
 }  // namespace
-
-void check_lit(const RenderOptions& o) {
-    const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
-    if (o.width < 1 || o.height < 1 || o.width > 65536 || o.height > 65536)
-        refuse("a picture's sides are 1 to 65536 pixels");
-    if (o.samples < 1 || o.samples > 65536) refuse("samples per pixel are 1 to 65536");
-    if (o.ao_samples < 0 || o.ao_samples > 65536) refuse("rays around a point are 0 to 65536");
-    if (o.shadow_samples < 1 || o.shadow_samples > 65536) refuse("shadow samples are 1 to 65536");
-}
 
 Image render_lit(const LitScene& scene, Lighting lighting, const RenderOptions& options) {
     check(scene, lighting, options);

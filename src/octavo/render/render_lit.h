@@ -31,7 +31,4 @@ enum class Lighting {
 [[nodiscard]] Image render_lit(const LitScene& scene, Lighting lighting,
                                const RenderOptions& options);
 
-/// @throws Error  bad_argument where render_lit() does for its options
-void check_lit(const RenderOptions& options);
-
 }  // namespace octavo

@@ -7,7 +7,6 @@
 #include "octavo/core/error.h"
 
 namespace octavo {
-namespace {
 
 void check(const RenderOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error(Errc::bad_argument, what); };
@@ -27,8 +26,6 @@ void check(const RenderOptions& o) {
         if (!(light.size >= 0.0) || !std::isfinite(light.size))
             refuse("a light's size is negative or not finite");
 }
-
-}  // namespace
 
 RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options) {
     check(options);

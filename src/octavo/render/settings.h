@@ -23,6 +23,9 @@ struct RenderSettings {
 };
 
 /// @throws Error  bad_argument where an option is out of range or not finite
+void check(const RenderOptions& options);
+
+/// @throws Error  bad_argument where check() does, or the camera is none
 [[nodiscard]] RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options);
 
 /// The lengths of the arrays of visibility(), and its options.
