@@ -98,9 +98,8 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
         std::vector<shared::GridRay> rays = set.voxel_rays;
         wide = time_rays(set.size(), [&](std::size_t first, std::size_t count) {
             const auto some = std::span(rays).subspan(first, count);
-            for (std::size_t i = 0; i < count; i += kTilePixels * kTilePixels)
-                start_at_beam(pixels, (first + i) / (kTilePixels * kTilePixels), size,
-                              some.subspan(i, kTilePixels * kTilePixels));
+            for (std::size_t i = 0; i < count; i += kTileRays)
+                start_at_beam(pixels, (first + i) / kTileRays, size, some.subspan(i, kTileRays));
             trace_closest_wide(model_.dag, some, {0, 0.0f, 0.0f},
                                std::span(hits).subspan(first, count));
         });

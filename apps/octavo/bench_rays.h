@@ -24,7 +24,8 @@ struct SurfacePoint {
 };
 
 /// Pixels of a tile follow each other.
-inline constexpr int kTilePixels = 8;
+inline constexpr int kTilePixels = 8;  // along a side
+inline constexpr std::size_t kTileRays = kTilePixels * std::size_t{kTilePixels};
 
 /// One ray through the centre of each pixel, tile by tile.
 [[nodiscard]] RaySet primary_rays(const Camera& camera, const Grid& grid, int size);
