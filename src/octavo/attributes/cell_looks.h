@@ -39,8 +39,9 @@ OCTAVO_FN vec3 linear_from_rgb8(uint value) {
 
 // As octavo::unpack_coarse_direction(), of another length.
 OCTAVO_FN vec3 coarse_direction(uint number) {
+    uint row = number / 11u;
     float x = float(number % 11u) / 5.0f - 1.0f;
-    float y = float(number / 11u) / 5.0f - 1.0f;
+    float y = float(row) / 5.0f - 1.0f;
     float z = 1.0f - abs(x) - abs(y);
     if (z >= 0.0f) return vec3(x, y, z);
     return vec3((x < 0.0f ? -1.0f : 1.0f) * (1.0f - abs(y)),

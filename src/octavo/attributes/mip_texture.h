@@ -171,10 +171,11 @@ inline detail::FourFloats MipTexture::Level::between(const detail::TexelPair& u,
     using namespace detail;
     const std::uint32_t* upper = texels + 2 * static_cast<std::ptrdiff_t>(v.first) * width;
     const std::uint32_t* lower = texels + 2 * static_cast<std::ptrdiff_t>(v.second) * width;
-    const FourFloats left = texel_channels(upper + 2 * u.first) * (1.0f - v.part) +
-                            texel_channels(lower + 2 * u.first) * v.part;
-    const FourFloats right = texel_channels(upper + 2 * u.second) * (1.0f - v.part) +
-                             texel_channels(lower + 2 * u.second) * v.part;
+    const FourFloats left = texel_channels(upper + 2 * std::ptrdiff_t{u.first}) * (1.0f - v.part) +
+                            texel_channels(lower + 2 * std::ptrdiff_t{u.first}) * v.part;
+    const FourFloats right =
+        texel_channels(upper + 2 * std::ptrdiff_t{u.second}) * (1.0f - v.part) +
+        texel_channels(lower + 2 * std::ptrdiff_t{u.second}) * v.part;
     return left * (1.0f - u.part) + right * u.part;
 }
 

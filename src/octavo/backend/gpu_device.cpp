@@ -322,7 +322,8 @@ private:
                 const int x = (job.first_tile + t) % job.tile_columns * kTile + i % kTile;
                 const int y = (job.first_tile + t) / job.tile_columns * kTile + i / kTile;
                 if (x < job.size.x && y < job.size.y)
-                    take(static_cast<std::size_t>(t * kTile * kTile + i), x, y);
+                    take(static_cast<std::size_t>(t) * kTilePixels + static_cast<std::size_t>(i), x,
+                         y);
             }
     }
 

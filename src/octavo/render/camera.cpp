@@ -59,8 +59,12 @@ PixelRays::PixelRays(const Camera& camera, const Grid& grid, int width, int heig
         const dvec3 to_corner = 0.5 * pitch_ * (double(height) * up - double(width) * right);
         sees_nothing_ = !(glm::length(start + t_before * to_corner - 0.5 * side) < kFarthest);
     }
-    // Where nothing is seen its rays are not asked for, and whole numbers need not hold it.
-    const dvec3 cell = sees_nothing_ ? dvec3(0.0) : glm::floor(start);
+    // Whole numbers need not hold where such a camera is, and of its rays only the directions count.
+    if (sees_nothing_) {
+        start = dvec3(0.0);
+        t_before = 0.0;
+    }
+    const dvec3 cell = glm::floor(start);
     view_.cell = ivec3(cell);
     view_.frac = vec3(start - cell);
     view_.forward = vec3(forward);

@@ -20,7 +20,8 @@ class PixelRays {
 public:
     PixelRays(const Camera& camera, const Grid& grid, int width, int height);
 
-    /// Nothing of the grid can be seen: too far away and not in front.
+    /// Nothing of the grid can be seen: too far away and not in front. Rays have their directions
+    /// then and no true origin: they are for an empty grid.
     [[nodiscard]] bool sees_nothing() const { return sees_nothing_; }
 
     /// How far the rays have travelled before their origin, in multiples of their direction.
