@@ -59,7 +59,7 @@ const std::array<Layer, kWindowRadii.size()> kWindows = {window(1), window(2), w
 /// Adds a 2x2x2 block of cells, a child mask, whose low corner may lie outside by one.
 void add_cells(std::uint32_t mask, const ivec3& corner, Block& block) {
     for (int z = std::max(0, -corner.z); z < 2 && corner.z + z < kSide; ++z) {
-        Layer& layer = block[static_cast<std::size_t>(corner.z + z)];
+        Layer& layer = block[static_cast<unsigned>(corner.z + z)];
         for (int y = std::max(0, -corner.y); y < 2 && corner.y + y < kSide; ++y) {
             std::uint64_t row = mask >> (2 * y + 4 * z) & 3u;
             row = corner.x < 0 ? row >> 1 : row << corner.x & 0x7ffu;

@@ -71,7 +71,8 @@ SkyImage load_exr(const FileBytes& bytes) {
             Imf::FrameBuffer buffer;
             const char* const names[] = {"R", "G", "B"};
             for (int i = 0; i < 3; ++i) {
-                char* base = reinterpret_cast<char*>(row.data()) + i * 4 -
+                char* base = reinterpret_cast<char*>(row.data()) +
+                             i * std::ptrdiff_t{sizeof(float)} -
                              static_cast<std::ptrdiff_t>(sizeof(vec3)) * box.min.x;
                 buffer.insert(names[i], Imf::Slice(Imf::FLOAT, base, sizeof(vec3), 0));
             }

@@ -89,6 +89,7 @@ private:
     struct Placed {
         std::size_t image;
         Texture::Wrap wrap_u, wrap_v;
+        // NOLINTNEXTLINE(modernize-use-nullptr): the linter takes the 0 of <=> for a pointer
         friend auto operator<=>(const Placed&, const Placed&) = default;
     };
 

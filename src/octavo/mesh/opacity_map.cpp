@@ -59,8 +59,7 @@ OpacityMap::OpacityMap(const Texture& texture, int least_alpha)
                             static_cast<std::size_t>(coarse.height));
         for (int y = 0; y < fine.height; ++y)
             for (int x = 0; x < fine.width; ++x)
-                coarse.nodes[static_cast<std::size_t>(y / 2 * coarse.width + x / 2)] |=
-                    fine.nodes[static_cast<std::size_t>(y * fine.width + x)];
+                coarse.nodes[coarse.index(x / 2, y / 2)] |= fine.nodes[fine.index(x, y)];
         levels_.push_back(std::move(coarse));
     }
 }
@@ -69,7 +68,7 @@ OpacityMap::OpacityMap(const Texture& texture, int least_alpha)
 std::uint8_t OpacityMap::find_in(int level, int x, int y, const std::array<int, 4>& range,
                                  std::uint8_t found) const {
     const Level& nodes = levels_[static_cast<unsigned>(level)];
-    const std::uint8_t node = nodes.nodes[static_cast<std::size_t>(y * nodes.width + x)];
+    const std::uint8_t node = nodes.nodes[nodes.index(x, y)];
     if ((node | found) == found) return found;
     const int x0 = x << level, y0 = y << level;
     const int x1 = std::min(x0 + (1 << level), width_) - 1;

@@ -34,6 +34,11 @@ private:
     struct Level {
         int width, height;
         std::vector<std::uint8_t> nodes;
+
+        [[nodiscard]] std::size_t index(int x, int y) const {
+            return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(x);
+        }
     };
     [[nodiscard]] std::uint8_t find_in(int level, int x, int y, const std::array<int, 4>& range,
                                        std::uint8_t found) const;
