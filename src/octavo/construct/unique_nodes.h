@@ -15,6 +15,7 @@
 #include "octavo/construct/word_array.h"
 #include "octavo/construct/word_limits.h"
 #include "octavo/core/huge_pages.h"
+#include "octavo/core/prefetch.h"
 #include "octavo/dag/node.h"
 
 namespace octavo {
@@ -135,7 +136,7 @@ public:
 
     /// Starts to fetch what adding looks at first for a node with this hash.
     void prefetch_slot(std::uint64_t hash) const {
-        if (!buckets_.empty()) __builtin_prefetch(&buckets_[home(hash)], 1);
+        if (!buckets_.empty()) prefetch_line(&buckets_[home(hash)]);
     }
 
     /// Starts to fetch what it looks at next; to be called when the slot has had time to arrive.
@@ -145,8 +146,8 @@ public:
         const unsigned like = bucket.with_tag(tag_of(hash));
         if (like == 0) return;
         const std::uint32_t id = bucket.ids[std::countr_zero(like)];
-        __builtin_prefetch(words_.data() + id);
-        __builtin_prefetch(words_.data() + id + kMaxNodeWords - 1);  // may be another line
+        prefetch_line(words_.data() + id);
+        prefetch_line(words_.data() + id + kMaxNodeWords - 1);  // may be another line
     }
 
     /// Words that a node takes.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/grid.h"
+#include "octavo/core/prefetch.h"
 #include "octavo/core/vec.h"
 #include "octavo/mesh/scene.h"
 
@@ -80,16 +81,16 @@ public:
     void prefetch_triangle(std::size_t triangle) const {
         const std::size_t count = scene_triangles_.size();
         if (triangle < count)
-            __builtin_prefetch(&scene_triangles_[triangle]);
+            prefetch_line(&scene_triangles_[triangle]);
         else
-            __builtin_prefetch(&clipped_[triangle - count]);
+            prefetch_line(&clipped_[triangle - count]);
     }
     void prefetch_corners(std::size_t triangle) const {
         if (triangle >= scene_triangles_.size()) return;
         const uvec3& t = scene_triangles_[triangle];
-        __builtin_prefetch(&points_[t.x]);
-        __builtin_prefetch(&points_[t.y]);
-        __builtin_prefetch(&points_[t.z]);
+        prefetch_line(&points_[t.x]);
+        prefetch_line(&points_[t.y]);
+        prefetch_line(&points_[t.z]);
     }
 
     /// The scene's triangle that this is, or is a clipped piece of.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/core/huge_pages.h"
+#include "octavo/core/prefetch.h"
 #include "octavo/voxelize/tile_octree.h"
 
 namespace octavo {
@@ -37,7 +38,7 @@ public:
         /// Starts to fetch these blocks.
         void prefetch(std::uint64_t blocks) const {
             for (unsigned line = 0; line < 64; line += 8)
-                if (blocks >> line & 255u) __builtin_prefetch(blocks_ + line, 1);
+                if (blocks >> line & 255u) prefetch_line(blocks_ + line);
         }
 
         /// Sets voxels, or none, of a block.
