@@ -2,17 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <span>
 
 namespace octavo {
 
-/// A growing array of 32-bit words. Unlike std::vector it grows by realloc, which moves large
-/// blocks by remapping pages: growth neither copies nor holds the old and the new array at once,
-/// and the room ahead of the end takes no memory until it is written.
+/// A growing array of 32-bit words. Unlike std::vector it moves a large block by remapping its
+/// pages: growth neither copies nor holds the old and the new array at once, and the room ahead of
+/// the end takes no memory until it is written. Large blocks lie in pages of 2 MiB where the system
+/// has them (docs/adr/0045-nodes-in-huge-pages.md).
 ///
 /// Once it has words, kSlack words after the last one can be read and written, so that short runs
 /// can be copied and compared by a fixed number of words.
@@ -51,17 +50,13 @@ public:
 
 private:
     struct Free {
-        void operator()(std::uint32_t* p) const { std::free(p); }
+        std::uint64_t capacity;  // of the block
+
+        Free() : capacity(0) {}
+        void operator()(std::uint32_t* block) const;
     };
 
-    void grow() {
-        const std::uint64_t capacity = capacity_ < kLeast ? kLeast : capacity_ + capacity_ / 2;
-        void* grown = std::realloc(words_.get(), capacity * sizeof(std::uint32_t));
-        if (grown == nullptr) throw std::bad_alloc();
-        (void)words_.release();
-        words_.reset(static_cast<std::uint32_t*>(grown));
-        capacity_ = capacity;
-    }
+    void grow();
 
     static constexpr std::uint64_t kLeast = 1024;
 
