@@ -60,7 +60,7 @@ float linear_from_srgb8(std::uint8_t channel) {
     return table[channel];
 }
 
-std::uint8_t srgb8_from_linear16(std::uint32_t linear) {
+std::span<const std::uint8_t> srgb8_of_linear16() {
     static const std::vector<std::uint8_t> table = [] {
         std::vector<std::uint8_t> t(65536);
         std::size_t i = 0;
@@ -71,7 +71,11 @@ std::uint8_t srgb8_from_linear16(std::uint32_t linear) {
         }
         return t;
     }();
-    return table[std::min(linear, 65535u)];
+    return table;
+}
+
+std::uint8_t srgb8_from_linear16(std::uint32_t linear) {
+    return srgb8_of_linear16()[std::min(linear, 65535u)];
 }
 
 std::uint32_t pack_rgb9e5(const vec3& color) {

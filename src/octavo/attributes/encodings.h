@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "octavo/core/vec.h"
 
@@ -20,6 +21,9 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 
 /// The nearest 8-bit sRGB channel to linear light in steps of 1/65535.
 [[nodiscard]] std::uint8_t srgb8_from_linear16(std::uint32_t linear);
+
+/// The same for each of the 65536 steps.
+[[nodiscard]] std::span<const std::uint8_t> srgb8_of_linear16();
 
 /// A colour as the low 24 bits of a value: red lowest.
 [[nodiscard]] constexpr std::uint32_t pack_rgb8(const Rgb8& c) {

@@ -174,6 +174,7 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
         t.emission_ = material.emission / greatest_emission_;
         t.emits_ = t.emission_ != vec3(0.0f);
     }
+    t.plain_ = t.one_color_ && !t.emits_;
     if (textures_.empty()) return t;
 
     const int holes = std::min(
@@ -193,6 +194,7 @@ SurfaceSampler::Triangle SurfaceSampler::prepare(std::size_t triangle,
     };
     prepare_filter(t.base_, look.coordinates);
     prepare_filter(t.glow_, look.of_emission);
+    t.plain_ &= !t.has_holes_ && (!t.base_.texture || t.base_.simple);
     return t;
 }
 
@@ -245,36 +247,28 @@ void SurfaceSampler::simplify(Triangle::Filter& filter, const std::array<vec2, 3
     for (const vec2& corner : corners)
         filter.simple &=
             glm::all(glm::lessThan(glm::abs(glm::dvec2(corner)) * size, glm::dvec2(kFar)));
-    for (int i = 0; i < 2; ++i) {
-        dvec4& texels = filter.texels[static_cast<unsigned>(i)];
-        texels = filter.coordinates[static_cast<unsigned>(i)] * size[i];
-        texels.w += MipTexture::Level::kPeriods - 0.5;
-    }
-    filter.texel_step = filter.step * size;
+    const dvec4 u = filter.coordinates[0] * size.x, v = filter.coordinates[1] * size.y;
+    for (int i = 0; i < 4; ++i)
+        filter.texels[static_cast<unsigned>(i)] = Triangle::TwoDoubles{u[i], v[i]};
+    filter.texels[3] += MipTexture::Level::kPeriods - 0.5;
+    filter.texel_step = Triangle::TwoDoubles{filter.step.x * size.x, filter.step.y * size.y};
 }
 
-vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec4& point) const {
-    const double first = -0.5 * (filter.samples - 1);
+vec4 SurfaceSampler::Triangle::sum_of_samples(const Filter& filter, const dvec3& point) const {
     if (filter.simple) {
-        glm::dvec2 at(glm::dot(filter.texels[0], point), glm::dot(filter.texels[1], point));
-        at = glm::clamp(at + first * filter.texel_step, 0.0, 2.0 * MipTexture::Level::kPeriods);
-        detail::FourFloats sum = filter.level->sample_simple(at);
-        for (int i = 1; i < filter.samples; ++i) {
-            at += filter.texel_step;
-            sum += filter.level->sample_simple(at);
-        }
-        sum *= 1.0f / 65535.0f;
+        const detail::FourFloats sum = filter.sum_of_simple_samples(point);
         return {sum[0], sum[1], sum[2], sum[3]};
     }
-    const glm::dvec2 middle(glm::dot(filter.coordinates[0], point),
-                            glm::dot(filter.coordinates[1], point));
+    const double first = -0.5 * (filter.samples - 1);
+    const dvec4 p(point, 1.0);
+    const glm::dvec2 middle(glm::dot(filter.coordinates[0], p), glm::dot(filter.coordinates[1], p));
     vec4 sum(0.0f);
     for (int i = 0; i < filter.samples; ++i)
         sum += filter.level->sample(middle + (i + first) * filter.step);
     return sum;
 }
 
-SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
+SurfaceSample SurfaceSampler::Triangle::any_at(const dvec3& point) const {
     SurfaceSample sample;
     const dvec4 p(point, 1.0);
     vec4 color = corner_colors_[0];
@@ -285,7 +279,7 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     }
     vec3 base(color);
     if (base_.texture) {
-        const vec4 sum = sum_of_samples(base_, p);
+        const vec4 sum = sum_of_samples(base_, point);
         if (!has_holes_) {
             base *= vec3(sum) * base_.share;
         } else if (sum.a > 1e-5f) {
@@ -299,7 +293,7 @@ SurfaceSample SurfaceSampler::Triangle::at(const dvec3& point) const {
     }
     vec3 glow = emission_;
     if (glow_.texture) {
-        glow *= vec3(sum_of_samples(glow_, p)) * glow_.share;
+        glow *= vec3(sum_of_samples(glow_, point)) * glow_.share;
     }
     for (int i = 0; i < 3; ++i) {
         sample.color[static_cast<unsigned>(i)] =

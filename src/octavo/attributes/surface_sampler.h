@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -46,10 +47,14 @@ public:
     class Triangle {
     public:
         [[nodiscard]] bool emits() const { return emits_; }
-        [[nodiscard]] SurfaceSample at(const dvec3& point) const;
+        [[nodiscard]] SurfaceSample at(const dvec3& point) const {
+            return plain_ ? plain_at(point) : any_at(point);
+        }
 
     private:
         friend class SurfaceSampler;
+
+        typedef double TwoDoubles __attribute__((vector_size(16)));
 
         struct Filter {
             const MipTexture* texture = nullptr;
@@ -61,10 +66,13 @@ public:
             // Where the level is simple: texels for MipTexture::sample_simple(), affine in the
             // point, and the step in texels.
             bool simple = false;
-            std::array<dvec4, 2> texels;
-            glm::dvec2 texel_step{0.0};
+            std::array<TwoDoubles, 4> texels;
+            TwoDoubles texel_step{};
+            [[nodiscard]] detail::FourFloats sum_of_simple_samples(const dvec3& point) const;
         };
-        [[nodiscard]] vec4 sum_of_samples(const Filter& filter, const dvec4& point) const;
+        [[nodiscard]] vec4 sum_of_samples(const Filter& filter, const dvec3& point) const;
+        [[nodiscard]] SurfaceSample any_at(const dvec3& point) const;
+        [[nodiscard]] SurfaceSample plain_at(const dvec3& point) const;
 
         std::array<dvec4, 2> weights_;  // of the second and third corner: affine in the point
         Filter base_, glow_;
@@ -73,6 +81,7 @@ public:
         bool one_color_ = true;
         bool emits_ = false;
         bool has_holes_ = false;
+        bool plain_ = false;  // one colour, a simple texture or none, and nothing else: as most are
     };
 
     /// @param triangle  of the scene
@@ -115,5 +124,35 @@ private:
     std::vector<std::string> warnings_;
     float greatest_emission_ = 0.0f;
 };
+
+inline detail::FourFloats SurfaceSampler::Triangle::Filter::sum_of_simple_samples(
+    const dvec3& point) const {
+    TwoDoubles at = (texels[0] * point.x + texels[1] * point.y) + (texels[2] * point.z + texels[3]);
+    if (samples > 1) at += -0.5 * (samples - 1) * texel_step;
+    const auto within = [](double texel) {
+        return std::min(std::max(0.0, texel), 2.0 * MipTexture::Level::kPeriods);
+    };
+    at = TwoDoubles{within(at[0]), within(at[1])};
+    detail::FourFloats sum = level->sample_simple({at[0], at[1]});
+    for (int i = 1; i < samples; ++i) {
+        at += texel_step;
+        sum += level->sample_simple({at[0], at[1]});
+    }
+    return sum * (1.0f / 65535.0f);
+}
+
+inline SurfaceSample SurfaceSampler::Triangle::plain_at(const dvec3& point) const {
+    using detail::FourFloats;
+    const vec4& c = corner_colors_[0];
+    FourFloats color = {c.r, c.g, c.b, 0.0f};
+    if (base_.texture) color *= base_.sum_of_simple_samples(point) * base_.share;
+    const FourFloats none{}, one = none + 1.0f;
+    color = color > none ? color : none;
+    color = color < one ? color : one;
+    const auto parts = __builtin_convertvector(color * 65535.0f + 0.5f, detail::FourInts);
+    SurfaceSample sample;
+    for (unsigned i = 0; i < 3; ++i) sample.color[i] = static_cast<std::uint16_t>(parts[i]);
+    return sample;
+}
 
 }  // namespace octavo

@@ -11,7 +11,6 @@
 namespace octavo {
 namespace {
 
-constexpr std::uint32_t kNoNumber = 0xffffffffu;
 constexpr double kAreaUnits = 4294967296.0;  // of a cell's face
 constexpr double kNormalUnits = 16384.0;
 constexpr std::size_t kMostPartsUnderCap = 65536;
@@ -64,26 +63,24 @@ public:
     /// @param color_alone  emission and normal are not asked for
     explicit Sum(bool color_alone) : color_alone_(color_alone) {}
 
-    void add(const Part& part, const Facet& facet) {
+    void add(const Part& part, const Facet& facet, const Glow& glow) {
         // Emission and normal count the whole area, colour only what is no hole.
         area_ += part.area;
         const std::uint64_t solid =
-            part.sample.opacity == 65535 ? part.area : part.area * part.sample.opacity / 65535;
+            part.opacity == 65535 ? part.area : part.area * part.opacity / 65535;
         solid_ += solid;
-        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.sample.color[i];
+        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.color[i];
         if (color_alone_) return;
         for (unsigned i = 0; i < 3; ++i) {
-            emission_[i] += (part.area >> 8) * part.sample.emission[i];
+            emission_[i] += (part.area >> 8) * glow[i];
             normal_[i] += static_cast<std::int64_t>(part.area >> 8) * facet.normal[i];
         }
     }
     [[nodiscard]] std::uint64_t area() const { return area_; }
-    [[nodiscard]] std::uint32_t color() const {
+    [[nodiscard]] std::uint32_t color(std::span<const std::uint8_t> srgb8) const {
         if (solid_ == 0) return 0;
         Rgb8 c{};
-        for (unsigned i = 0; i < 3; ++i)
-            c[i] =
-                srgb8_from_linear16(static_cast<std::uint32_t>((color_[i] + solid_ / 2) / solid_));
+        for (unsigned i = 0; i < 3; ++i) c[i] = srgb8[(color_[i] + solid_ / 2) / solid_];
         return pack_rgb8(c);
     }
     [[nodiscard]] std::uint32_t emission(float greatest) const {
@@ -120,6 +117,8 @@ TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles
       kept_{wanted.color, true, wanted.emission, wanted.emission, wanted.normal, wanted.normal},
       most_parts_(wanted.is_on_disk() ? kMostPartsUnderCap
                                       : std::numeric_limits<std::size_t>::max()),
+      glows_wanted_(wanted.emission && surfaces.greatest_emission() > 0.0f),
+      srgb8_(srgb8_of_linear16()),
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth_ - 2)),
       firsts_(masks_.size()) {}
 
@@ -129,23 +128,36 @@ void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues
     to_tile_ = dvec3(triangles_.frame().base) - dvec3(tile << static_cast<unsigned>(tile_depth_));
     for (std::size_t c = 0; c < out.size(); ++c) out[c].resize(kept_[c] ? codes_.size() : 0);
     const auto count = static_cast<std::uint32_t>(codes_.size());
-    std::uint32_t at_once = count;
+    auto at_once = static_cast<std::uint32_t>(
+        std::min<std::size_t>(count, std::max<std::size_t>(1, most_parts_ / 2)));
     for (begin_ = 0; begin_ < count; begin_ = end_) {
         take_cells(begin_, begin_ + std::min(at_once, count - begin_));
         facets_.clear();
-        parts_.clear();
+        start_parts();
         for_each_triangle(
             [&](const Corners& corners, std::size_t in_scene) { cut(corners, in_scene); });
         at_once = end_ - begin_;
-        sort_parts();
         touch_bare_cells();
-        for (std::uint32_t cell = begin_; cell < end_; ++cell) write(cell, parts_of(cell), out);
+        for (std::uint32_t cell = begin_; cell < end_; ++cell) write(cell, out);
     }
 }
 
-std::span<const std::uint32_t> TileAverager::parts_of(std::uint32_t cell) const {
-    const std::uint32_t first = part_begins_[cell - begin_], end = part_begins_[cell - begin_ + 1];
-    return std::span(part_order_).subspan(first, end - first);
+void TileAverager::start_parts() {
+    parts_.assign(end_ - begin_, Part());
+    if (glows_wanted_) glows_.resize(parts_.size());
+}
+
+void TileAverager::add_part(std::uint32_t cell, const Part& part, const Glow& glow) {
+    Part& first = parts_[cell - begin_];
+    if (first.area == 0) {
+        first = part;
+        if (glows_wanted_) glows_[cell - begin_] = glow;
+        return;
+    }
+    const std::uint32_t next = std::exchange(first.next, static_cast<std::uint32_t>(parts_.size()));
+    parts_.push_back(part);
+    parts_.back().next = next;
+    if (glows_wanted_) glows_.push_back(glow);
 }
 
 void TileAverager::take_cells(std::uint32_t begin, std::uint32_t end) {
@@ -165,7 +177,15 @@ void TileAverager::take_cells(std::uint32_t begin, std::uint32_t end) {
 void TileAverager::take_fewer_cells() {
     if (end_ - begin_ < 2) return;
     take_cells(begin_, begin_ + (end_ - begin_) / 2);
-    std::erase_if(parts_, [&](const Part& part) { return part.cell >= end_; });
+    const std::vector<Part> parts = std::exchange(parts_, {});
+    const std::vector<Glow> glows = std::exchange(glows_, {});
+    start_parts();
+    for (std::uint32_t cell = begin_; cell < end_; ++cell)
+        for (std::uint32_t p = cell - begin_; p != kNone && parts[p].area != 0; p = parts[p].next) {
+            Part part = parts[p];
+            part.next = kNone;
+            add_part(cell, part, glows_wanted_ ? glows[p] : Glow());
+        }
 }
 
 void TileAverager::find_cells(const CellRange& range) {
@@ -189,7 +209,7 @@ std::uint32_t TileAverager::number_of(const ivec3& cell) const {
     const std::uint64_t code = morton_encode(uvec3(cell));
     const std::uint64_t mask = masks_[code >> 6];
     const std::uint64_t bit = std::uint64_t{1} << (code & 63u);
-    if (!(mask & bit)) return kNoNumber;
+    if (!(mask & bit)) return kNone;
     return firsts_[code >> 6] + static_cast<unsigned>(std::popcount(mask & (bit - 1)));
 }
 
@@ -233,25 +253,12 @@ void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
     pieces.for_each(ivec3(0), ivec3(1 << tile_depth_), [&](const TrianglePieces::Piece& piece) {
         const std::uint32_t cell = number_of(piece.cell);
         const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
-        if (cell < begin_ || cell >= end_ || area == 0) return;  // or kNoNumber
+        if (cell < begin_ || cell >= end_ || area == 0) return;  // or kNone
         const SurfaceSample sample = surface.at(piece.centre);
         if (sample.opacity == 0) return;
-        parts_.push_back({cell, number, area, sample});
+        add_part(cell, {kNone, number, area, sample.color, sample.opacity}, sample.emission);
         if (parts_.size() > most_parts_) take_fewer_cells();
     });
-}
-
-void TileAverager::sort_parts() {
-    part_begins_.assign(end_ - begin_ + 1, 0);
-    for (const Part& part : parts_) ++part_begins_[part.cell - begin_];
-    std::uint32_t total = 0;
-    for (std::uint32_t& begin : part_begins_) {
-        total += begin;
-        begin = total;
-    }
-    part_order_.resize(parts_.size());
-    for (std::size_t i = parts_.size(); i-- > 0;)
-        part_order_[--part_begins_[parts_[i].cell - begin_]] = static_cast<std::uint32_t>(i);
 }
 
 /// Cells that triangles only touch get one part from the nearest.
@@ -269,7 +276,7 @@ void TileAverager::touch_bare_cells() {
     };
     std::vector<Bare> bare;
     for (std::uint32_t cell = begin_; cell < end_; ++cell)
-        if (parts_of(cell).empty()) bare.push_back({.cell = cell});
+        if (parts_[cell - begin_].area == 0) bare.push_back({.cell = cell});
     if (bare.empty()) return;
 
     const auto centre_of = [&](const Bare& b) {
@@ -312,34 +319,36 @@ void TileAverager::touch_bare_cells() {
         });
 
     for (const Bare& b : bare) {
-        Part part{b.cell, static_cast<std::uint32_t>(facets_.size()), 1 << 16, {}};
-        part.sample.color = {65535, 65535, 65535};
+        SurfaceSample sample;
+        sample.color = {65535, 65535, 65535};
+        const auto number = static_cast<std::uint32_t>(facets_.size());
         if (b.found()) {
             facets_.push_back(facet_of(TrianglePieces(b.corners)));
-            part.sample = surfaces_.prepare(b.in_scene, b.corners, 1.0).at(b.point);
-            part.sample.opacity = 65535;
+            sample = surfaces_.prepare(b.in_scene, b.corners, 1.0).at(b.point);
         } else {
             facets_.push_back({});
         }
-        parts_.push_back(part);
+        add_part(b.cell, {kNone, number, 1 << 16, sample.color, 65535}, sample.emission);
     }
-    sort_parts();
 }
 
-void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> parts,
-                         TileValues& out) const {
+void TileAverager::write(std::uint32_t cell, TileValues& out) const {
     const auto put = [&](Channel channel, std::uint32_t value) {
         const auto c = static_cast<std::size_t>(channel);
         if (kept_[c]) out[c][cell] = value;
     };
     const float greatest = surfaces_.greatest_emission();
     const bool color_alone = !wanted_.normal && !(greatest > 0.0f);
-    if (parts.size() == 1) {  // as in most cells
-        const Part& part = parts_[parts[0]];
+    const std::uint32_t first = cell - begin_;
+    const auto add_to = [&](Sum& sum, std::uint32_t p) {
+        sum.add(parts_[p], facets_[parts_[p].facet], glows_wanted_ ? glows_[p] : Glow());
+    };
+    if (parts_[first].next == kNone) {  // as in most cells
+        const Part& part = parts_[first];
         Sum sum(color_alone);
-        if (!color_alone) sum.add(part, facets_[part.facet]);
+        if (!color_alone) add_to(sum, first);
         Rgb8 color{};
-        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_from_linear16(part.sample.color[i]);
+        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[part.color[i]];
         put(Channel::color, pack_rgb8(color));
         put(Channel::back, 0);
         put(Channel::emission, sum.emission(greatest));
@@ -348,44 +357,46 @@ void TileAverager::write(std::uint32_t cell, std::span<const std::uint32_t> part
         put(Channel::back_normal, 0);
         return;
     }
+    const auto for_parts = [&](const auto& visit) {
+        for (std::uint32_t p = first; p != kNone; p = parts_[p].next)
+            visit(p, facets_[parts_[p].facet]);
+    };
     // The front is the way that most area faces: by main axes first, then exactly.
     std::array<std::uint64_t, 6> facing{};
     bool one_way = true;
-    for (const std::uint32_t p : parts) {
-        const int way = facets_[parts_[p].facet].facing;
-        facing[static_cast<unsigned>(way)] += parts_[p].area;
-        one_way = one_way && way == facets_[parts_[parts[0]].facet].facing;
-    }
+    for_parts([&](std::uint32_t p, const Facet& facet) {
+        facing[static_cast<unsigned>(facet.facing)] += parts_[p].area;
+        one_way = one_way && facet.facing == facets_[parts_[first].facet].facing;
+    });
     Sum front(color_alone), back(color_alone);
     std::uint32_t direction = 0;
     if (one_way) {
-        for (const std::uint32_t p : parts) front.add(parts_[p], facets_[parts_[p].facet]);
+        for_parts([&](std::uint32_t p, const Facet&) { add_to(front, p); });
     } else {
         const int main =
             static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
         Sum most(false);
-        for (const std::uint32_t p : parts) {
-            const Facet& facet = facets_[parts_[p].facet];
-            if (facet.facing == main) most.add(parts_[p], facet);
-        }
+        for_parts([&](std::uint32_t p, const Facet& facet) {
+            if (facet.facing == main) add_to(most, p);
+        });
         direction = pack_coarse_direction(most.normal());
         const vec3 towards = unpack_coarse_direction(direction);
-        for (const std::uint32_t p : parts) {
-            const Facet& facet = facets_[parts_[p].facet];
+        for_parts([&](std::uint32_t p, const Facet& facet) {
             const vec3 normal = vec3(facet.normal[0], facet.normal[1], facet.normal[2]) /
                                 static_cast<float>(kNormalUnits);
-            (glm::dot(normal, towards) < kOpposed ? back : front).add(parts_[p], facet);
-        }
+            add_to(glm::dot(normal, towards) < kOpposed ? back : front, p);
+        });
     }
-    const std::uint32_t color = front.color(), emission = front.emission(greatest);
+    const std::uint32_t color = front.color(srgb8_), emission = front.emission(greatest);
     std::uint32_t back_value = 0, back_emission = emission;
     std::uint32_t normal = wanted_.normal ? pack_normal(front.normal()) : 0, back_normal = 0;
     if (back.area() > 0) {
-        back_value = pack_back(back.color(), direction);
+        const std::uint32_t back_color = back.color(srgb8_);
+        back_value = pack_back(back_color, direction);
         back_emission = back.emission(greatest);
         if (wanted_.normal) back_normal = pack_normal(back.normal());
         // A second side that would look like the first is not kept.
-        const bool differs = (wanted_.color && back.color() != color) ||
+        const bool differs = (wanted_.color && back_color != color) ||
                              (wanted_.emission && back_emission != emission) || wanted_.normal;
         if (!differs) back_value = 0;
     }

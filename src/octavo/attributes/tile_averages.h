@@ -42,12 +42,15 @@ private:
         std::array<std::int16_t, 3> normal;  // unit length is 2^14
         std::int16_t facing;                 // 2 * axis, + 1 where that component is positive
     };
-    struct Part {            // of a facet, in a cell
-        std::uint32_t cell;  // in the tile's order
-        std::uint32_t facet;
-        std::uint64_t area;  // a cell's face is 2^32
-        SurfaceSample sample;
+    struct Part {                    // of a facet, in a cell
+        std::uint32_t next = kNone;  // of the same cell
+        std::uint32_t facet = 0;
+        std::uint64_t area = 0;  // a cell's face is 2^32; 0: there is none
+        std::array<std::uint16_t, 3> color{};
+        std::uint16_t opacity = 0;
     };
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    using Glow = std::array<std::uint32_t, 3>;
     class Sum;
 
     void find_cells(const CellRange& range);
@@ -59,10 +62,10 @@ private:
     void cut(const Corners& corners, std::size_t in_scene);
     void take_cells(std::uint32_t begin, std::uint32_t end);
     void take_fewer_cells();
-    void sort_parts();
-    [[nodiscard]] std::span<const std::uint32_t> parts_of(std::uint32_t cell) const;
+    void start_parts();
+    void add_part(std::uint32_t cell, const Part& part, const Glow& glow);
     void touch_bare_cells();
-    void write(std::uint32_t cell, std::span<const std::uint32_t> parts, TileValues& out) const;
+    void write(std::uint32_t cell, TileValues& out) const;
 
     const CellIndex& cells_;
     const SurfaceTiles& triangles_;
@@ -76,6 +79,8 @@ private:
     double unit_;
     std::array<bool, Attributes::kChannels> kept_;
     std::size_t most_parts_;  // at a time
+    bool glows_wanted_;
+    std::span<const std::uint8_t> srgb8_;  // of linear light in steps of 1/65535
 
     std::uint32_t begin_ = 0, end_ = 0;  // the cells that parts are kept of
     Box near_;                           // what has no part in these lies outside
@@ -85,9 +90,10 @@ private:
     std::vector<std::uint32_t> blocks_;  // those that are not empty
     std::vector<std::uint32_t> codes_;   // of the cells in the tile, Morton order
     std::vector<Facet> facets_;
+    // The first part of each cell from begin_ on, and behind these all others: most cells have one,
+    // which is then found without a list or a sort.
     std::vector<Part> parts_;
-    std::vector<std::uint32_t> part_order_;
-    std::vector<std::uint32_t> part_begins_;  // of each cell from begin_ on
+    std::vector<Glow> glows_;  // of each part, where they are wanted
 };
 
 }  // namespace octavo
