@@ -91,7 +91,7 @@ public:
                 writers_.emplace_back(Attributes::kValueBits[c], tolerance, cells_.count(),
                                       options.scratch / "attributes");
             } else {
-                writers_.emplace_back(Attributes::kValueBits[c], tolerance);
+                writers_.emplace_back(Attributes::kValueBits[c], tolerance, cells_.count());
             }
         }
         find_tiles();
@@ -219,7 +219,7 @@ private:
     void check_memory() const {
         const std::uint64_t cap = options_.max_memory_bytes;
         if (cap == 0) return;
-        // To finish a channel in memory its words are put together once more.
+        // A channel in memory may be moved once more as it grows.
         std::uint64_t largest = 0;
         if (!on_disk_)
             for (const CellValuesWriter& writer : writers_)

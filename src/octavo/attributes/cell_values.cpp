@@ -124,31 +124,46 @@ std::optional<CellValues::Fault> CellValues::find_fault(std::span<const std::uin
 }
 
 void BlockPacker::pack(std::span<const std::uint32_t> values, PackedBlocks& out) {
-    if (std::all_of(values.begin(), values.end(), [](std::uint32_t v) { return v == 0; })) {
+    std::uint32_t any = 0;
+    for (const std::uint32_t value : values) any |= value;
+    if (any == 0) {
         out.begins.push_back(0);
         return;
     }
-    indices_.clear();
-    Palette palette(palette_);
-    for (const std::uint32_t value : values)
-        indices_.push_back(palette.index_of(value, tolerance_));
-
-    const auto colors = static_cast<std::uint32_t>(palette_.size());
-    const int index_bits = std::bit_width(colors - 1);
-    const std::uint64_t width = static_cast<unsigned>(value_bits_);
-    const bool raw =
-        words_of_bits(values.size() * width) <=
-        words_of_bits(colors * width + values.size() * static_cast<unsigned>(index_bits));
     out.begins.push_back(static_cast<std::uint32_t>(out.words.size()) + 1);
-    out.words.push_back(raw ? CellValues::kRaw : static_cast<unsigned>(index_bits) | colors << 8);
-    BitWriter bits(out.words);
-    if (raw) {
+    if (!find_palette(values)) {
         // Only what a palette saves is worth an error.
+        out.words.push_back(CellValues::kRaw);
+        BitWriter bits(out.words);
         for (const std::uint32_t value : values) bits.add(value, value_bits_);
         return;
     }
+    const auto colors = static_cast<std::uint32_t>(palette_.size());
+    const int index_bits = std::bit_width(colors - 1);
+    out.words.push_back(static_cast<unsigned>(index_bits) | colors << 8);
+    BitWriter bits(out.words);
     for (const std::uint32_t color : palette_) bits.add(color, value_bits_);
     for (const std::uint8_t index : indices_) bits.add(index, index_bits);
+}
+
+bool BlockPacker::find_palette(std::span<const std::uint32_t> values) {
+    const std::uint64_t width = static_cast<unsigned>(value_bits_);
+    const std::uint64_t raw_words = words_of_bits(values.size() * width);
+    const auto pays = [&](std::uint64_t colors) {
+        return words_of_bits(colors * width +
+                             values.size() * static_cast<unsigned>(std::bit_width(colors - 1))) <
+               raw_words;
+    };
+    indices_.clear();
+    Palette palette(palette_);
+    std::size_t colors = 0;
+    for (const std::uint32_t value : values) {
+        indices_.push_back(palette.index_of(value, tolerance_));
+        if (palette_.size() == colors) continue;
+        colors = palette_.size();
+        if (!pays(colors)) return false;
+    }
+    return true;
 }
 
 void CellValuesWriter::check_room() const {
@@ -185,7 +200,7 @@ void CellValuesWriter::append(const PackedBlocks& blocks) {
 }
 
 void CellValuesWriter::put(const PackedBlocks& blocks) {
-    const auto base = static_cast<std::uint32_t>(spilled_ + blocks_.words.size());
+    const auto base = static_cast<std::uint32_t>(spilled_ + blocks_.words.size() - head_words_);
     for (const std::uint32_t begin : blocks.begins)
         blocks_.begins.push_back(begin == 0 ? 0 : begin + base);
     blocks_.words.insert(blocks_.words.end(), blocks.words.begin(), blocks.words.end());
@@ -204,15 +219,15 @@ CellValues CellValuesWriter::finish() && {
     check_room();
     const auto data = CellValues::kHeaderWords + static_cast<std::uint32_t>(blocks_.begins.size());
     std::vector<std::uint32_t> all;
-    all.reserve(data + blocks_.words.size());
+    all.reserve(data_begin_ != 0 ? data : data + blocks_.words.size());
     all.push_back(static_cast<std::uint32_t>(packer_.value_bits()));
     all.push_back(static_cast<std::uint32_t>(blocks_.begins.size()));
     for (const std::uint32_t begin : blocks_.begins)
         all.push_back(begin == 0 ? 0 : begin - 1 + data);
     blocks_.begins = {};
+    if (data_begin_ != 0 && data != data_begin_)
+        throw Error(Errc::bad_argument, "there are not as many cells as was said");
     if (file_) {
-        if (data != data_begin_)
-            throw Error(Errc::bad_argument, "there are not as many cells as was said");
         spill();
         file_->write(0, all.data(), all.size() * sizeof(std::uint32_t));
         auto mapped = std::make_shared<const MappedWords>(*file_, data_begin_ + spilled_);
@@ -220,7 +235,12 @@ CellValues CellValuesWriter::finish() && {
         const std::span<const std::uint32_t> words = mapped->words();
         return {words, count_, std::move(mapped), Dag::Backing::mapped_file};
     }
-    all.insert(all.end(), blocks_.words.begin(), blocks_.words.end());
+    if (head_words_ != 0) {
+        std::copy(all.begin(), all.end(), blocks_.words.begin());
+        all = std::move(blocks_.words);
+    } else {
+        all.insert(all.end(), blocks_.words.begin(), blocks_.words.end());
+    }
     blocks_ = {};
     auto owned = std::make_shared<const std::vector<std::uint32_t>>(std::move(all));
     const std::span<const std::uint32_t> words(*owned);

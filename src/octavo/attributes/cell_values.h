@@ -113,6 +113,9 @@ public:
     void pack(std::span<const std::uint32_t> values, PackedBlocks& out);
 
 private:
+    /// Finds palette_ and indices_. @return false as soon as the values themselves take no more
+    bool find_palette(std::span<const std::uint32_t> values);
+
     int value_bits_;
     int tolerance_;
     std::vector<std::uint32_t> palette_;
@@ -125,6 +128,14 @@ class CellValuesWriter {
 public:
     CellValuesWriter(int value_bits, int tolerance) : packer_(value_bits, tolerance) {}
 
+    /// Leaves room for the table, so that finish() need not put all words together once more.
+    /// @param count  of cells, in all
+    CellValuesWriter(int value_bits, int tolerance, std::uint64_t count)
+        : packer_(value_bits, tolerance), data_begin_(data_begin_of(count)) {
+        blocks_.words.resize(data_begin_);
+        head_words_ = data_begin_;
+    }
+
     /// Puts them into a temporary file, which is then mapped: memory holds the last
     /// 64 kB and 4 bytes for each 256 cells.
     /// @param count  of cells, in all
@@ -132,8 +143,7 @@ public:
                      const std::filesystem::path& file)
         : packer_(value_bits, tolerance),
           file_(std::make_unique<SpillFile>(file, SpillFile::Kind::temporary)),
-          data_begin_(CellValues::kHeaderWords +
-                      (count + CellValues::kBlockCells - 1) / CellValues::kBlockCells) {}
+          data_begin_(data_begin_of(count)) {}
 
     /// Cells that wait for their block to be full: 0 to 255.
     [[nodiscard]] std::size_t pending() const { return pending_.size(); }
@@ -151,6 +161,10 @@ public:
     }
 
 private:
+    static std::uint64_t data_begin_of(std::uint64_t count) {
+        return CellValues::kHeaderWords +
+               (count + CellValues::kBlockCells - 1) / CellValues::kBlockCells;
+    }
     void check_room() const;
     void pack_pending();
     void put(const PackedBlocks& blocks);
@@ -158,7 +172,8 @@ private:
 
     BlockPacker packer_;
     std::unique_ptr<SpillFile> file_;  // or none
-    std::uint64_t data_begin_ = 0;     // in the file: the word behind the table of blocks
+    std::uint64_t data_begin_ = 0;     // where it is known: the word behind the table of blocks
+    std::uint64_t head_words_ = 0;     // at the front of words: room for what is before that
     std::uint64_t spilled_ = 0;        // words of blocks in the file
     PackedBlocks blocks_;              // all begins, and the words that are not in the file
     PackedBlocks packed_;              // one block

@@ -63,10 +63,13 @@ void SurfaceSampler::make_textures(const Scene& scene, const std::filesystem::pa
         return texture >= 0 && static_cast<std::size_t>(texture) < scene.textures.size();
     };
     std::set<std::pair<int, int>> wanted;
+    std::pair<int, int> last(-1, 0);  // mostly that of the next triangle too
     for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
         const Material& m = material_of(scene, t);
         if (known(m.base_color_texture))
-            wanted.emplace(m.base_color_texture, std::min(255, least_alpha(scene, t)));
+            if (const std::pair key(m.base_color_texture, std::min(255, least_alpha(scene, t)));
+                key != last)
+                wanted.insert(last = key);
         if (known(m.emission_texture) && m.emission != vec3(0.0f))
             wanted.emplace(m.emission_texture, 0);
     }

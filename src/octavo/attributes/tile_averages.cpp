@@ -250,15 +250,25 @@ void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
     facets_.push_back(facet_of(pieces));
     const SurfaceSampler::Triangle surface =
         surfaces_.prepare(in_scene, corners, footprint_of(pieces.area()));
+    // Some pieces together, so that waiting for the texels of one goes on beside the next.
+    std::array<TrianglePieces::Piece, 32> some;
+    std::size_t count = 0;
+    const auto sample_some = [&] {
+        for (const TrianglePieces::Piece& piece : std::span(some).first(std::exchange(count, 0))) {
+            const std::uint32_t cell = number_of(piece.cell);
+            const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
+            if (cell < begin_ || cell >= end_ || area == 0) continue;  // or kNone
+            const SurfaceSample sample = surface.at(piece.centre);
+            if (sample.opacity == 0) continue;
+            add_part(cell, {kNone, number, area, sample.color, sample.opacity}, sample.emission);
+            if (parts_.size() > most_parts_) take_fewer_cells();
+        }
+    };
     pieces.for_each(ivec3(0), ivec3(1 << tile_depth_), [&](const TrianglePieces::Piece& piece) {
-        const std::uint32_t cell = number_of(piece.cell);
-        const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
-        if (cell < begin_ || cell >= end_ || area == 0) return;  // or kNone
-        const SurfaceSample sample = surface.at(piece.centre);
-        if (sample.opacity == 0) return;
-        add_part(cell, {kNone, number, area, sample.color, sample.opacity}, sample.emission);
-        if (parts_.size() > most_parts_) take_fewer_cells();
+        some[count++] = piece;
+        if (count == some.size()) sample_some();
     });
+    sample_some();
 }
 
 /// Cells that triangles only touch get one part from the nearest.
