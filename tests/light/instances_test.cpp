@@ -9,6 +9,7 @@
 #include "light/voxel_rooms.h"
 #include "octavo/core/error.h"
 #include "octavo/light/light_cells.h"
+#include "octavo/light/side_light.h"
 #include "octavo/trace/wide.h"
 #include "support/small_dags.h"
 
@@ -209,6 +210,67 @@ TEST(MovedObject, CostsWhatItReachesAndNotTheScene) {
     const LightReport moved = lighter.move_object(1, glm::translate(dmat4(1.0), dvec3(24, 8, 20)));
     EXPECT_LT(moved.rays, all.rays / 10);
     EXPECT_GT(moved.rays, 0u);
+}
+
+/// A floor below cells that shine; a plate, and dust without attributes, which move.
+LitScene moving_things(bool lamp) {
+    const Dag floor = test::dag_of_voxels(
+        6, [&](const dvec3& p) { return p.y < 3.0 || (lamp && p.y > 60.0 && p.x < 20.0); });
+    const Dag plate = test::dag_of_voxels(4, [](const dvec3& p) { return p.y < 1.0; });
+    LitScene scene;
+    scene.objects.push_back(
+        {.dag = floor, .grid = unit_grid(6), .attributes = grey(floor, 5, 200, [](const uvec3& at) {
+                                                 return at.y > 20 ? 2.0f : 0.0f;
+                                             })});
+    scene.objects.push_back({.dag = plate, .grid = unit_grid(4), .attributes = grey(plate, 4, 90)});
+    scene.objects.push_back({.dag = test::dust(4, 0.4, 5), .grid = unit_grid(4)});
+    scene.objects[1].placement = glm::translate(dmat4(1.0), dvec3(24, 12, 24));
+    scene.objects[2].placement = glm::translate(dmat4(1.0), dvec3(40, 4.5, 30));
+    scene.sky = Sky::clear({0, 1, 0});
+    return scene;
+}
+
+TEST(MovedObject, WhatItsMoveLeavesOfTheRaysIsWhatTracingAllOfThemFinds) {
+    const std::vector<std::pair<std::size_t, dmat4>> moves = {
+        {1, glm::translate(dmat4(1.0), dvec3(26, 12, 22))},
+        {2, glm::scale(glm::translate(dmat4(1.0), dvec3(20, 3.7, 8)), dvec3(0.9))},
+        {1, glm::rotate(glm::translate(dmat4(1.0), dvec3(40, 5, 40)), 0.7, dvec3(0.6, 0.0, 0.8))},
+        {2, glm::translate(dmat4(1.0), dvec3(33, 2.1, 42))},
+        {1, glm::translate(dmat4(1.0), dvec3(60, 40, 10))},
+        {1, glm::translate(dmat4(1.0), dvec3(24, 3.0, 24))}};
+    for (const bool lamp : {false, true}) {
+        LitScene scene = moving_things(lamp);
+        const LightOptions options{.bounces = 0, .around_rays = 32};
+        SideLight kept(scene, options), traced(scene, options);
+        const auto look_around = [&](SideLight& light, const MovedObject* moved) {
+            light.start_counting();
+            ObjectLight& floor = light.objects()[0];
+            for (const SideBlock& block : floor.blocks) {
+                if (moved) {
+                    light.gather_around(floor, block, *moved);
+                } else {
+                    light.gather_around(floor, block);
+                }
+            }
+            return light.rays();
+        };
+        look_around(kept, nullptr);
+        for (const auto& [which, placement] : moves) {
+            ObjectLight& object = kept.objects()[which];
+            MovedObject moved{static_cast<std::uint32_t>(which),
+                              box_with_margin(scene, kept.world(), object),
+                              {}};
+            scene.objects[which].placement = placement;
+            kept.renew_world();
+            traced.renew_world();
+            place_blocks(scene, kept.world(), object);
+            moved.after = box_with_margin(scene, kept.world(), object);
+            const std::uint64_t few = look_around(kept, &moved);
+            EXPECT_LT(few, look_around(traced, nullptr) / 2) << lamp;
+            EXPECT_EQ(kept.objects()[0].rows, traced.objects()[0].rows);
+            EXPECT_EQ(kept.objects()[0].from_sources, traced.objects()[0].from_sources);
+        }
+    }
 }
 
 }  // namespace

@@ -40,14 +40,21 @@ void CellWords::find_colors(const LitScene& scene) {
     colors_.assign(size_, kClay);
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Attributes& attributes = scene.objects[i].attributes;
-        if (attributes.empty() || !attributes.has_color()) continue;
+        if (attributes.empty()) continue;
+        const auto color_of = [&](std::uint64_t cell, const vec3& towards) {
+            if (!attributes.has_color()) return kClay;
+            const Rgb8 color = attributes.color(cell, towards);
+            return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 |
+                   std::uint32_t{color[2]} << 16;
+        };
         tbb::parallel_for(std::uint64_t{0}, attributes.cells().count(), [&](std::uint64_t cell) {
-            for (int direction = 0; direction < 6; ++direction) {
-                const Rgb8 color = attributes.color(cell, direction_vector(direction));
-                colors_[word({i, cell, direction})] = std::uint32_t{color[0]} |
-                                                      std::uint32_t{color[1]} << 8 |
-                                                      std::uint32_t{color[2]} << 16;
-            }
+            bool shines = false;
+            for (int direction = 0; attributes.has_emission() && direction < 6; ++direction)
+                shines =
+                    shines || attributes.emission(cell, direction_vector(direction)) != vec3(0.0f);
+            for (int direction = 0; direction < 6; ++direction)
+                colors_[word({i, cell, direction})] =
+                    color_of(cell, direction_vector(direction)) | (shines ? kShines : 0u);
         });
     }
 }

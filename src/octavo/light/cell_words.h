@@ -14,6 +14,10 @@ namespace octavo {
 class CellWords {
 public:
     static constexpr std::uint32_t kNone = 0xffffffffu;
+    /// What a ray met that met nothing; words are below both.
+    static constexpr std::uint32_t kOpen = 0xfffffffeu;
+
+    [[nodiscard]] static bool is_word(std::uint32_t word) { return word < kOpen; }
 
     /// @throws Error  limit where there are more than CellLight::kMostCells cells
     explicit CellWords(const LitScene& scene);
@@ -25,6 +29,9 @@ public:
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] std::size_t first_word(std::uint32_t object) const {
         return first_words_[object];
+    }
+    [[nodiscard]] std::size_t end_word(std::uint32_t object) const {
+        return object + 1 < first_words_.size() ? first_words_[object + 1] : size_;
     }
 
     /// kNone for a side of no cell.
@@ -39,13 +46,17 @@ public:
     [[nodiscard]] bool seen(std::uint32_t word) const { return (colors_[word] & kSeen) != 0; }
     void set_seen(std::uint32_t word) { colors_[word] |= kSeen; }
 
+    /// Whether its cell does, from any side.
+    [[nodiscard]] bool shines(std::uint32_t word) const { return (colors_[word] & kShines) != 0; }
+
     /// Linear.
     [[nodiscard]] vec3 albedo(std::uint32_t word) const;
 
 private:
-    // In sRGB bytes, which are exact, or kClay; and kSeen.
+    // In sRGB bytes, which are exact, or kClay; and the others.
     static constexpr std::uint32_t kClay = 1u << 24;
     static constexpr std::uint32_t kSeen = 1u << 25;
+    static constexpr std::uint32_t kShines = 1u << 26;
 
     std::size_t size_ = 0;
     std::vector<std::size_t> first_words_;  // of each object

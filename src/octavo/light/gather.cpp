@@ -32,14 +32,14 @@ Gatherer::Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays
 }
 
 std::size_t Gatherer::begin() {
-    if (any_rays_.size() + closest_rays_.size() >= kMostRays) trace();
+    if (any_.size() + closest_.size() >= kMostRays) trace();
     sums_.emplace_back(0.0f);
     if (keeps_hits_) kept_.push_back({0, {}, shared::make_miss(0.0f, 0)});
     if (keeps_sides_) kept_sides_.resize(sums_.size() * static_cast<std::size_t>(rays_.around));
     return sums_.size() - 1;
 }
 
-void Gatherer::add(const LitPoint& point, int part, std::uint32_t seed) {
+void Gatherer::add(const LitPoint& point, int part, std::uint32_t seed, const KeptEnds* kept) {
     if (has(from_, LightFrom::lamps)) add_lamps(point, part, seed);
     if (has(from_, LightFrom::sources)) {
         if (world_.scene().sky.uneven()) add_sky(point, part, seed);
@@ -48,7 +48,7 @@ void Gatherer::add(const LitPoint& point, int part, std::uint32_t seed) {
     const bool sources = has(from_, LightFrom::sources) &&
                          (!world_.scene().sky.black() || !world_.emitters().empty());
     const bool around = has(from_, LightFrom::cells) || keeps_hits_ || keeps_sides_ || sources;
-    if (around) add_around(point, part, seed);
+    if (around) add_around(point, part, seed, kept);
 }
 
 void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
@@ -63,12 +63,14 @@ void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
             if (!(ray.light > 0.0f)) continue;
             any_rays_.push_back(ray.ray);
             any_.push_back({lamp.light().intensity * (ray.light * scale), 0.0f,
-                            static_cast<std::uint32_t>(sums_.size() - 1), 0, kAround, 0});
+                            static_cast<std::uint32_t>(sums_.size() - 1), 0, 0, kAround, 0});
         }
     }
 }
 
-void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed) {
+void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed,
+                          const KeptEnds* kept) {
+    const auto sum = static_cast<std::uint32_t>(sums_.size() - 1);
     const ivec2 some = share(rays_.around, part);
     const float count = static_cast<float>(rays_.around);
     for (int i = some.x; i < some.y; ++i) {
@@ -76,11 +78,19 @@ void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed) {
         shared::GridRay ray = point.start;
         const vec3 direction = shared::cosine_direction(point.normal, square);
         ray.dir = shared::bend_outwards(direction, point.face);
+        const auto number = static_cast<std::uint32_t>(i);
+        const auto end = kept ? kept->end(number, ray.dir) : KeptEnds::End::unknown;
+        if (end == KeptEnds::End::dark) continue;
+        if (end == KeptEnds::End::open) {
+            if (has(from_, LightFrom::sources))
+                closest_.push_back({vec3(1.0f / count) * world_.scene().sky.radiance(ray.dir), 0.0f,
+                                    sum, number, kNoRay, kAround, 0});
+            continue;
+        }
         const float cosine = glm::dot(direction, point.normal);
+        closest_.push_back({vec3(1.0f / count), cosine * kPerPi, sum, number,
+                            static_cast<std::uint32_t>(closest_rays_.size()), kAround, 0});
         closest_rays_.push_back(ray);
-        closest_.push_back({vec3(1.0f / count), cosine * kPerPi,
-                            static_cast<std::uint32_t>(sums_.size() - 1),
-                            static_cast<std::uint32_t>(i), kAround, 0});
     }
 }
 
@@ -99,7 +109,7 @@ void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
         const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
         any_rays_.push_back(ray);
         any_.push_back({weight * sky.radiance(sample.direction), 0.0f,
-                        static_cast<std::uint32_t>(sums_.size() - 1), 0, kAround, 0});
+                        static_cast<std::uint32_t>(sums_.size() - 1), 0, 0, kAround, 0});
     }
 }
 
@@ -118,9 +128,10 @@ void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed)
         shared::GridRay ray = point.start;
         ray.dir = shared::bend_outwards(sample.direction, point.face);
         const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
-        closest_rays_.push_back(ray);
         closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1), 0,
-                            sample.object, sample.cell});
+                            static_cast<std::uint32_t>(closest_rays_.size()), sample.object,
+                            sample.cell});
+        closest_rays_.push_back(ray);
     }
 }
 
@@ -133,6 +144,10 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
     }
     const float around = static_cast<float>(rays_.around);
     const float source = static_cast<float>(rays_.source);
+    MetSide* const kept = keeps_sides_
+                              ? &kept_sides_[w.sum * static_cast<std::size_t>(rays_.around) + w.ray]
+                              : nullptr;
+    if (kept) kept->traced = true;
     if (!hit) {
         if (!sources) return vec3(0.0f);
         const Sky& sky = world_.scene().sky;
@@ -142,8 +157,7 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
         return weight * sky.radiance(ray.dir);
     }
     const CellSide side = world_.side(hit);
-    if (keeps_sides_)
-        kept_sides_[w.sum * static_cast<std::size_t>(rays_.around) + w.ray] = {side, -hit.ray.dir};
+    if (kept) *kept = {side, -hit.ray.dir, true, true};
     vec3 light(0.0f);
     if (sources) {
         const vec3 emission = world_.emission(side);
@@ -165,9 +179,9 @@ void Gatherer::trace() {
     world_.instances().trace_closest(closest_rays_, {0, 0.0f, 0.0f}, hits_);
     for (std::size_t i = 0; keeps_hits_ && i < closest_.size(); ++i)
         if (closest_[i].emitter_object == kAround) kept_[closest_[i].sum] = hits_[i];
-    for (std::size_t i = 0; i < closest_.size(); ++i)
-        sums_[closest_[i].sum] +=
-            closest_[i].light * found(closest_[i], closest_rays_[i], hits_[i]);
+    for (const Waiting& w : closest_)
+        sums_[w.sum] +=
+            w.at == kNoRay ? w.light : w.light * found(w, closest_rays_[w.at], hits_[w.at]);
     traced_ += any_rays_.size() + closest_rays_.size();
     any_rays_.clear();
     closest_rays_.clear();

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "octavo/light/kept_ends.h"
 #include "octavo/light/lit_world.h"
 
 namespace octavo {
@@ -49,7 +50,9 @@ public:
     ///
     /// @param part  0 to parts - 1, each once
     /// @param seed  of the sum's random numbers
-    void add(const LitPoint& point, int part, std::uint32_t seed);
+    /// @param kept  what is known of its rays over the hemisphere, for start() has been called;
+    ///              those whose end it knows are not traced. The sky is even. Or none
+    void add(const LitPoint& point, int part, std::uint32_t seed, const KeptEnds* kept = nullptr);
 
     /// Traces what is waiting. Call it before light().
     void trace();
@@ -65,6 +68,7 @@ public:
     struct MetSide {
         CellSide side;
         vec3 towards{0.0f};
+        bool traced = false, met = false;
     };
     /// Keeps what each ray over the hemisphere met, for sides(): no cell where it met none.
     void keep_sides() { keeps_sides_ = true; }
@@ -87,14 +91,16 @@ private:
         float density;  // of the direction by the cosine, and for a source ray by its choice
         std::uint32_t sum;
         std::uint32_t ray;             // over the hemisphere: its number
+        std::uint32_t at;              // of the rays that are traced; kNoRay: it brings the light
         std::uint32_t emitter_object;  // of a ray towards a cell that shines; else kAround
         std::uint64_t emitter_cell;
     };
     static constexpr std::uint32_t kAround = 0xffffffffu;
+    static constexpr std::uint32_t kNoRay = 0xffffffffu;
     static constexpr std::size_t kMostRays = 8192;
 
     void add_lamps(const LitPoint& point, int part, std::uint32_t seed);
-    void add_around(const LitPoint& point, int part, std::uint32_t seed);
+    void add_around(const LitPoint& point, int part, std::uint32_t seed, const KeptEnds* kept);
     void add_sky(const LitPoint& point, int part, std::uint32_t seed);
     void add_emitters(const LitPoint& point, int part, std::uint32_t seed);
     [[nodiscard]] vec3 found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit);

@@ -9,8 +9,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 #include <numbers>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
@@ -22,17 +24,22 @@ namespace octavo {
 class CellLighter::State {
 public:
     State(LitScene& scene, const LightOptions& options)
-        : scene_(scene), options_(options), sides_(scene, options) {}
+        : scene_(scene),
+          options_(options),
+          sides_(scene, options),
+          rows_hold_(scene.objects.size()) {}
 
     LightReport light_all() {
         start_report(static_cast<std::uint64_t>(options_.bounces) + 1);
         with_threads(options_.threads, [&] {
-            for (ObjectLight& o : sides_.objects())
+            for (ObjectLight& o : sides_.objects()) {
                 for_blocks(o, {}, [&](const SideBlock& block) {
                     sides_.gather_lamps(o, block);
                     sides_.gather_around(o, block);
                     sides_.write(o, block, 0);
                 });
+                rows_hold_[o.object].assign(o.blocks.size(), 1);
+            }
             sides_.find_rest();
             for (int bounce = 1; bounce <= options_.bounces; ++bounce)
                 for (ObjectLight& o : sides_.objects())
@@ -72,7 +79,8 @@ public:
         const auto moved = static_cast<std::uint32_t>(which);
         ObjectLight& o = sides_.objects()[which];
         const dmat4 old = scene_.objects[which].placement;
-        const Ball before = ball_of(object_box(scene_, sides_.world(), o));
+        const Box before = object_box(scene_, sides_.world(), o);
+        const Box wide_before = box_with_margin(scene_, sides_.world(), o);
         scene_.objects[which].placement = placement;
         try {
             sides_.renew_world();
@@ -84,9 +92,11 @@ public:
         start_report(0);
         with_threads(options_.threads, [&] {
             place_blocks(scene_, sides_.world(), o);
-            const Ball after = ball_of(object_box(scene_, sides_.world(), o));
+            const Box after = object_box(scene_, sides_.world(), o);
             Flags looked_around;
-            Changes changes = redo_around_object(moved, before, after, looked_around);
+            Changes changes =
+                redo_around_object({moved, wide_before, box_with_margin(scene_, sides_.world(), o)},
+                                   {ball_of(before), ball_of(after)}, looked_around);
             for (int bounce = 1; bounce <= options_.bounces; ++bounce)
                 changes = redo_bounce(bounce, changes, looked_around);
             sides_.show();
@@ -139,9 +149,11 @@ private:
     }
 
     /// Redoes what comes straight from lamps and from around where an object was or is.
+    /// @param balls          around these places
     /// @param looked_around  gets the blocks whose rays over the hemisphere were sent again
-    Changes redo_around_object(std::uint32_t moved, const Ball& before, const Ball& after,
+    Changes redo_around_object(const MovedObject& moved, const std::array<Ball, 2>& balls,
                                Flags& looked_around) {
+        const bool can_keep = sides_.keeps_rows() && !scene_.sky.uneven();
         const Box& shining = sides_.world().emitters().bounds();
         Changes changes;
         for (ObjectLight& o : sides_.objects()) {
@@ -151,8 +163,9 @@ private:
             for (std::size_t b = 0; b < some.size(); ++b) {
                 const Box& box = o.blocks[b].box;
                 const Ball block = ball_of(box);
-                bool all = o.object == moved, lamp = all, look = all || scene_.sky.uneven();
-                for (const Ball& ball : {before, after}) {
+                const bool all = o.object == moved.object;
+                bool lamp = all, look = all || scene_.sky.uneven();
+                for (const Ball& ball : balls) {
                     for (const Light& light : scene_.lights)
                         lamp = lamp || shades(ball, light, box, sides_.world().instances().grid());
                     look = look || covered(box, ball) > options_.move_tolerance ||
@@ -162,16 +175,27 @@ private:
                 around[b] = look ? 1 : 0;
                 some[b] = lamp || look ? 1 : 0;
             }
+            // Blocks that do not look around have rows of before the move from now on.
+            std::vector<std::uint8_t>& hold = rows_hold_[o.object];
+            hold.resize(o.blocks.size(), 0);
+            const std::vector<std::uint8_t> held =
+                std::exchange(hold, Flags::value_type(hold.size(), 0));
             for_blocks(o, some, [&](const SideBlock& block) {
                 const auto b = static_cast<std::size_t>(&block - o.blocks.data());
                 if (shaded[b] != 0) sides_.gather_lamps(o, block);
-                if (around[b] != 0) sides_.gather_around(o, block);
+                if (around[b] != 0) {
+                    if (can_keep && held[b] != 0 && o.object != moved.object)
+                        sides_.gather_around(o, block, moved);
+                    else
+                        sides_.gather_around(o, block);
+                    hold[b] = 1;
+                }
                 flux[b] = sides_.write(o, block, 0);
             });
             looked_around.push_back(std::move(around));
             changes.push_back(std::move(flux));
         }
-        sides_.find_rest(sides_.objects()[moved]);
+        sides_.find_rest(sides_.objects()[moved.object]);
         return changes;
     }
 
@@ -244,6 +268,7 @@ private:
     LitScene& scene_;
     LightOptions options_;
     SideLight sides_;
+    Flags rows_hold_;  // where what rays met is what they meet in the world as it is
 
     LightReport report_;
     std::mutex mutex_;

@@ -82,6 +82,14 @@ Box object_box(const LitScene& scene, const LitWorld& world, const ObjectSides& 
     return placed(world, o.object, {dvec3(0.0), dvec3(width)});
 }
 
+Box box_with_margin(const LitScene& scene, const LitWorld& world, const ObjectSides& o) {
+    const bool lit = !scene.objects[o.object].attributes.empty();
+    const dvec3 edge(world.instances().to_common(o.object)[0]);
+    const double by = glm::length(edge) * (lit ? cell_width(scene, o.object) : 1.0);
+    const Box box = object_box(scene, world, o);
+    return {box.low - by, box.high + by};
+}
+
 double cell_width(const LitScene& scene, std::uint32_t object) {
     const LitObject& lit = scene.objects[object];
     return std::ldexp(1.0, lit.dag.depth() - lit.attributes.level());

@@ -52,6 +52,10 @@ void place_blocks(const LitScene& scene, const LitWorld& world, ObjectSides& o);
 /// What the object fills of common space: the cells that can be seen, or else its grid.
 [[nodiscard]] Box object_box(const LitScene& scene, const LitWorld& world, const ObjectSides& o);
 
+/// The same and a cell more on each side, for edges of cells that cannot be seen, and rounding.
+[[nodiscard]] Box box_with_margin(const LitScene& scene, const LitWorld& world,
+                                  const ObjectSides& o);
+
 /// Voxels.
 [[nodiscard]] double cell_width(const LitScene& scene, std::uint32_t object);
 

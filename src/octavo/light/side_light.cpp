@@ -35,7 +35,37 @@ float greatest(const vec3& v) {
 constexpr int kRestSteps = 4;
 constexpr float kMostRatio = 0.98f;  // from one to the next: whiter walls do not exist
 
-constexpr std::uint32_t kNoWord = CellWords::kNone;
+/// Where the cells of an object are in common space.
+class Placed {
+public:
+    Placed(const LitScene& scene, const LitWorld& world, std::uint32_t object)
+        : world_(world),
+          object_(object),
+          to_common_(world.instances().to_common(object)),
+          voxel_(glm::length(dvec3(to_common_[0]))),
+          width_(scene.objects[object].attributes.empty() ? 1.0 : cell_width(scene, object)) {}
+
+    /// How far at most the lines go by which a start is lifted off its face.
+    [[nodiscard]] double reach() const { return 4.0 * voxel_; }
+
+    /// Whether no ray of a side can meet the object, nor its starts lie elsewhere by it.
+    [[nodiscard]] bool out_of_sight(const KeptEnds& kept, const LitSide& side,
+                                    const uvec3& cell) const {
+        const vec3 normal = side.normal();
+        // Rays are bent out of the cell's face: that keeps them above the surface as well if the
+        // face looks the same way.
+        if (glm::dot(normal, direction_vector(side.direction())) < 0.0f) return false;
+        const dvec3 middle(to_common_ * dvec4(width_ * (dvec3(cell) + 0.5), 1.0));
+        return kept.out_of_sight(middle, 0.87 * width_ * voxel_ + 2.0 * reach(),
+                                 world_.instances().normal_to_common(object_, normal));
+    }
+
+private:
+    const LitWorld& world_;
+    std::uint32_t object_;
+    const dmat4& to_common_;
+    double voxel_, width_;
+};
 
 }  // namespace
 
@@ -108,7 +138,7 @@ void SideLight::for_rows(ObjectLight& o, const SideBlock& block, const Visit& vi
 vec3 SideLight::sent_to(std::span<const std::uint32_t> row, const Words& light) const {
     vec3 sum(0.0f);
     for (const std::uint32_t word : row)
-        if (word != kNoWord) sum += cells_.albedo(word) * unpack_rgb9e5(light[word]);
+        if (CellWords::is_word(word)) sum += cells_.albedo(word) * unpack_rgb9e5(light[word]);
     return sum / static_cast<float>(row.size());
 }
 
@@ -153,7 +183,7 @@ void SideLight::find_rest(ObjectLight& o) {
         for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
             vec3 sum(0.0f);
             for (const std::uint32_t word : row)
-                if (word != kNoWord)
+                if (CellWords::is_word(word))
                     sum += cells_.albedo(word) * (1.0f + unpack_rgb9e5(rest_[word]));
             found[i] = pack_rgb9e5(sum / static_cast<float>(row.size()));
         });
@@ -171,9 +201,9 @@ void SideLight::for_points(const ObjectLight& o, const SideBlock& block, int pas
     object.attributes.cells().for_each(range, [&](std::uint64_t cell, const uvec3& at) {
         for (; i < block.end && o.sides[i].cell == cell; ++i) {
             const LitSide& side = o.sides[i];
+            if (!begin(i, at)) continue;
             const SideStarts starts(object, at, side.direction());
             const vec3 normal = side.normal();
-            begin();
             for (int part = 0; part < kStarts; ++part) {
                 const auto k = static_cast<std::size_t>(part % starts.count);
                 if (part < starts.count)
@@ -187,7 +217,11 @@ void SideLight::for_points(const ObjectLight& o, const SideBlock& block, int pas
 void SideLight::gather_lamps(ObjectLight& o, const SideBlock& block) {
     LampGatherer gatherer(*world_, options_.lamp_rays, kStarts);
     for_points(
-        o, block, 0, [&] { gatherer.begin(); },
+        o, block, 0,
+        [&](std::size_t, const uvec3&) {
+            gatherer.begin();
+            return true;
+        },
         [&](const LitPoint& point, int, std::uint32_t seed) { gatherer.add(point, seed); });
     gatherer.trace();
     for (std::size_t i = block.first; i < block.end; ++i)
@@ -201,25 +235,48 @@ void SideLight::gather_around(ObjectLight& o, const SideBlock& block) {
     gather_rows(o, block, row_space(o, block, scratch));
 }
 
-void SideLight::gather_rows(ObjectLight& o, const SideBlock& block, std::span<std::uint32_t> rows) {
+void SideLight::gather_around(ObjectLight& o, const SideBlock& block, const MovedObject& moved) {
+    Words scratch;
+    gather_rows(o, block, row_space(o, block, scratch), &moved);
+}
+
+void SideLight::gather_rows(ObjectLight& o, const SideBlock& block, std::span<std::uint32_t> rows,
+                            const MovedObject* moved) {
     Gatherer gatherer(*world_, LightFrom::sources,
                       {options_.lamp_rays, options_.around_rays, options_.source_rays, false},
                       kStarts);
     gatherer.keep_sides();
+    std::optional<KeptEnds> kept;
+    if (moved) kept.emplace(*moved, cells_);
+    std::vector<std::size_t> asked;  // sides, of whom each has a sum
+    const Placed placed(scene_, *world_, o.object);
+    const bool sources = !world_->emitters().empty();
     for_points(
-        o, block, 1, [&] { gatherer.begin(); },
+        o, block, 1,
+        [&](std::size_t i, const uvec3& at) {
+            const auto row = rows.subspan((i - block.first) * row_length(), row_length());
+            if (kept && !kept->begin(row) && !sources && placed.out_of_sight(*kept, o.sides[i], at))
+                return false;
+            asked.push_back(i);
+            gatherer.begin();
+            return true;
+        },
         [&](const LitPoint& point, int part, std::uint32_t seed) {
-            gatherer.add(point, part, seed);
+            if (kept) kept->start(point.position(), placed.reach());
+            gatherer.add(point, part, seed, kept ? &*kept : nullptr);
         });
     gatherer.trace();
-    auto to = rows.begin();
-    for (std::size_t i = block.first; i < block.end; ++i) {
-        o.from_sources[i] = gatherer.light(i - block.first);
-        for (const Gatherer::MetSide& met : gatherer.sides(i - block.first))
-            *to++ = cells_.target(met.side, met.towards);
+    for (std::size_t sum = 0; sum < asked.size(); ++sum) {
+        const std::size_t i = asked[sum];
+        o.from_sources[i] = gatherer.light(sum);
+        auto to = rows.begin() + static_cast<std::ptrdiff_t>((i - block.first) * row_length());
+        for (const Gatherer::MetSide& met : gatherer.sides(sum)) {
+            if (met.traced) *to = met.met ? cells_.target(met.side, met.towards) : CellWords::kOpen;
+            ++to;
+        }
     }
     rays_ += gatherer.rays_traced();
-    sides_done_ += block.end - block.first;
+    sides_done_ += asked.size();
 }
 
 vec3 SideLight::sum(const ObjectLight& o, std::size_t side, int bounce) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octavo/light/cell_words.h"
+#include "octavo/light/kept_ends.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/light/lit_sides.h"
 #include "octavo/light/lit_world.h"
@@ -41,6 +42,14 @@ public:
 
     /// Finds the light of the sky and of shining cells, and what cells the rays meet.
     void gather_around(ObjectLight& o, const SideBlock& block);
+
+    /// The same after an object moved: only rays that it may touch are traced, the others ended
+    /// where they end. The same bits as gather_around(), if what the block's rays met is kept and
+    /// was that of the world before. Not under an uneven sky.
+    void gather_around(ObjectLight& o, const SideBlock& block, const MovedObject& moved);
+
+    /// Whether what rays met is kept.
+    [[nodiscard]] bool keeps_rows() const { return keeps_rows_; }
 
     /// Gathers a bounce from the light before it.
     void reflect(ObjectLight& o, const SideBlock& block, int bounce);
@@ -79,15 +88,16 @@ private:
                                                      Words& scratch) const;
     [[nodiscard]] std::span<const std::uint32_t> rows(ObjectLight& o, const SideBlock& block,
                                                       Words& scratch);
-    void gather_rows(ObjectLight& o, const SideBlock& block, std::span<std::uint32_t> rows);
+    void gather_rows(ObjectLight& o, const SideBlock& block, std::span<std::uint32_t> rows,
+                     const MovedObject* moved = nullptr);
     [[nodiscard]] vec3 sent_to(std::span<const std::uint32_t> row, const Words& light) const;
     [[nodiscard]] vec3 sum(const ObjectLight& o, std::size_t side, int bounce) const;
 
     /// Calls visit(side, row) for the sides of a block.
     template <class Visit>
     void for_rows(ObjectLight& o, const SideBlock& block, const Visit& visit);
-    /// Calls begin() for each side of a block, and add(point, part, seed) for the points that its
-    /// rays start from.
+    /// Calls begin(side, cell) for each side of a block, and where that is true add(point, part,
+    /// seed) for the points that its rays start from.
     template <class Begin, class Add>
     void for_points(const ObjectLight& o, const SideBlock& block, int pass, const Begin& begin,
                     const Add& add) const;
