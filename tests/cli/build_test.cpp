@@ -139,6 +139,22 @@ TEST(BuildSlow, KeepsAMemoryCapWhereOneTileLooksAtNearlyAllTriangles) {
     EXPECT_EQ(run_shell(folder.path(), "cmp free.octv capped.octv").code, 0);
 }
 
+TEST(BuildSlow, TheCapThatARefusalAdvisesIsEnough) {
+    const TemporaryFolder folder;
+    const std::string build =
+        "octavo build sample:courtyard -o a.octv -r 1K -q --attributes "
+        "color,emission,normal --max-memory ";
+    const Outcome refused = run_shell(folder.path(), build + "20M");
+    ASSERT_EQ(refused.code, 4);
+    const std::string words = "--max-memory ";
+    const std::size_t at = refused.err.find(words);
+    ASSERT_NE(at, std::string::npos) << refused.err;
+    const std::size_t end = refused.err.find('M', at + words.size());
+    const std::string cap = refused.err.substr(at + words.size(), end + 1 - at - words.size());
+    const Outcome built = run_shell(folder.path(), build + cap);
+    EXPECT_EQ(built.code, 0) << cap << " " << built.err;
+}
+
 TEST(Build, ACapThatCannotBeKeptIsRefusedBeforehandWithWhatWouldDo) {
     const TemporaryFolder folder;
     const Outcome outcome =
