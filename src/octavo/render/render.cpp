@@ -345,8 +345,8 @@ Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
                     const int x = t % columns * kTile;
                     const int y = t / columns * kTile;
                     picture.draw_tile(x, y, normals.local(), image);
-                    reporter.add(static_cast<std::uint64_t>(std::min(kTile, options.width - x) *
-                                                            std::min(kTile, options.height - y)));
+                    reporter.add(static_cast<unsigned>(std::min(kTile, options.width - x) *
+                                                       std::min(kTile, options.height - y)));
                 }
             });
     });

@@ -69,7 +69,7 @@ private:
     [[nodiscard]] std::size_t row(int y, int z) const { return std::size_t(z) * side_ + y; }
     [[nodiscard]] int block(int x) const { return x * kBlocks / side_; }
     [[nodiscard]] std::size_t place(int x_block, int y, int z) const {
-        return std::size_t(x_block + kBlocks * (block(y) + kBlocks * block(z)));
+        return static_cast<unsigned>(x_block + kBlocks * (block(y) + kBlocks * block(z)));
     }
 
     void fill(std::uint32_t node, int height, int x, int y, int z) {

@@ -203,7 +203,6 @@ private:
 
     /// The real voxel that each ray is in when it starts: nearly always, see place().
     HWY_INLINE Ints start_voxel(const RayLanes& rays, int axis) const {
-        const FloatTag df;
         const IntTag di;
         const Floats way = hn::Mul(rays.low, hn::Abs(rays.dir[axis]));
         const Floats offset = hn::Floor(hn::Add(rays.frac[axis], way));

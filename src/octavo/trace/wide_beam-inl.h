@@ -48,7 +48,7 @@ public:
         const std::int32_t falls = shared::child_number(down_);
         int height = dag_.depth;
         // The root is the only child of a cell twice as wide.
-        Frame& above = stack_[static_cast<std::size_t>(height + 1)];
+        Frame& above = stack_[static_cast<unsigned>(height + 1)];
         hn::Store(hn::Zero(IntTag()), IntTag(), above.corner);
         test(above, height, 1u);
         if (above.to_visit == 0) return best_;
