@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "arguments.h"
 #include "commands.h"
@@ -83,16 +84,17 @@ bool parse_primary(const std::string& text) {
 
 /// Primary rays to the triangles of a scene.
 PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
-    return [triangles](std::span<const Ray> rays, std::span<SurfaceHit> hits) {
-        std::vector<TriangleRay> some;
-        for (const Ray& ray : rays)
-            some.push_back(
-                {vec3(ray.origin), std::numeric_limits<float>::infinity(), vec3(ray.direction)});
-        std::vector<TriangleHit> found(rays.size());
-        triangles->closest(some, TriangleTracer::Width::sixteen, true, found);
-        for (std::size_t i = 0; i < rays.size(); ++i)
-            hits[i] = {static_cast<double>(found[i].t), found[i].normal};
-    };
+    return
+        [triangles = std::move(triangles)](std::span<const Ray> rays, std::span<SurfaceHit> hits) {
+            std::vector<TriangleRay> some;
+            for (const Ray& ray : rays)
+                some.push_back({vec3(ray.origin), std::numeric_limits<float>::infinity(),
+                                vec3(ray.direction)});
+            std::vector<TriangleHit> found(rays.size());
+            triangles->closest(some, TriangleTracer::Width::sixteen, true, found);
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                hits[i] = {static_cast<double>(found[i].t), found[i].normal};
+        };
 }
 
 void check_extension(const std::filesystem::path& file) {
