@@ -77,7 +77,7 @@ Plane blur(const Plane& in) {
                                                              {34.1f, 0.04f, 13.5f, 0.025f}}};
     const int radius = static_cast<int>(
         std::ceil(3.0f * std::sqrt(0.04f / (2.0f * kPi * kPi)) * kPixelsPerDegree));
-    const auto side = static_cast<std::size_t>(2 * radius + 1);
+    const auto side = 2 * static_cast<std::size_t>(radius) + 1;
     std::vector<vec3> weights(side * side);
     vec3 sum(0.0f);
     for (int y = -radius; y <= radius; ++y)

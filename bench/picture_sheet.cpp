@@ -35,10 +35,10 @@ void run(int argc, char** argv) {
         const int y0 = i / columns * (picture.height + kLine);
         if (x0 + picture.width > sheet.width || y0 + picture.height > sheet.height)
             throw Error(Errc::bad_argument, std::string(argv[4 + i]) + " has another size");
+        std::size_t from = 0;
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x)
-                sheet.color[sheet.index(x0 + x, y0 + y)] =
-                    picture.color[static_cast<std::size_t>(y * picture.width + x)];
+                sheet.color[sheet.index(x0 + x, y0 + y)] = picture.color[from++];
     }
     write_image(argv[1], sheet, std::atof(argv[3]));
 }

@@ -17,7 +17,7 @@ const fs::path& folder() {
 }
 
 fs::path put(const std::string& name, Bytes bytes) {
-    const fs::path file = folder() / name;
+    fs::path file = folder() / name;
     std::ofstream stream(file, std::ios::binary);
     stream.write(reinterpret_cast<const char*>(bytes.data()),
                  static_cast<std::streamsize>(bytes.size()));

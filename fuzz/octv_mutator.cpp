@@ -234,7 +234,7 @@ std::vector<std::uint8_t> full_octv(int depth, int attribute_level, bool compres
     begins.push_back(words.size());
     words.insert(words.end(), 2, 0xffffffffu);
     begins.push_back(words.size());
-    const auto file = file_of(depth, begins, words, compute_statistics(Dag(depth, begins, words)));
+    auto file = file_of(depth, begins, words, compute_statistics(Dag(depth, begins, words)));
     if (attribute_level == 0) return file;
 
     OctvParts parts(file);
