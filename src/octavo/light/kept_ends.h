@@ -32,10 +32,10 @@ public:
     /// Takes the words of a side. @return whether any ray of it must be traced again by its word
     bool begin(std::span<const std::uint32_t> row);
 
-    /// Whether no ray from in a ball can reach the object, if all go to the side of the plane
-    /// through their start that `normal` looks to, or where its opposite does not.
-    /// @param normal   unit length; common space
-    /// @param start    of which all starts are, with the lines by which they are found
+    /// Whether no ray that starts in a ball can reach the object, where each goes to the side of
+    /// the plane through its start that `normal` looks to. Common space.
+    /// @param middle, radius  the ball: of all starts, and the lines by which they are found
+    /// @param normal          unit length
     [[nodiscard]] bool out_of_sight(const dvec3& middle, double radius, const vec3& normal) const;
 
     /// Rays start here. @param reach  how far from it the lines go by which the place is found
