@@ -44,6 +44,18 @@ inline FourFloats texel_channels(const std::uint32_t* texel) {
     return __builtin_convertvector(channels, FourFloats);
 }
 
+/// The lower halves of three numbers, and a fourth word.
+inline EightWords low_words(const FourInts& numbers, std::uint16_t fourth) {
+    EightWords halves;
+    std::memcpy(&halves, &numbers, sizeof halves);
+    const EightWords others = EightWords{} + fourth;
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    return __builtin_shufflevector(halves, others, 0, 2, 4, 8, 8, 8, 8, 8);
+#else
+    return __builtin_shufflevector(halves, others, 1, 3, 5, 8, 8, 8, 8, 8);
+#endif
+}
+
 }  // namespace detail
 
 /// A picture in linear light at its own size and at halves of it, each texel the mean of those that

@@ -292,14 +292,15 @@ SurfaceSample SurfaceSampler::Triangle::any_at(const dvec3& point) const {
                 {glm::dot(base_.coordinates[0], p), glm::dot(base_.coordinates[1], p)});
         }
         if (has_holes_)
-            sample.opacity = static_cast<std::uint16_t>(part_of(sum.a * base_.share, 65535.0f));
+            sample.tint.opacity =
+                static_cast<std::uint16_t>(part_of(sum.a * base_.share, 65535.0f));
     }
     vec3 glow = emission_;
     if (glow_.texture) {
         glow *= vec3(sum_of_samples(glow_, point)) * glow_.share;
     }
     for (int i = 0; i < 3; ++i) {
-        sample.color[static_cast<unsigned>(i)] =
+        sample.tint.color[static_cast<unsigned>(i)] =
             static_cast<std::uint16_t>(part_of(base[i], 65535.0f));
         if (emits_) sample.emission[static_cast<unsigned>(i)] = part_of(glow[i], 1048576.0f);
     }

@@ -18,11 +18,18 @@
 
 namespace octavo {
 
+/// Colour and opacity of a piece of a surface, in 65535ths. Written and copied as eight bytes: read
+/// so soon after, one by one written halves would have to reach the cache first.
+struct alignas(8) Tint {
+    std::array<std::uint16_t, 3> color{};  // linear
+    std::uint16_t opacity = 65535;         // the part of the piece that is no hole
+};
+static_assert(sizeof(Tint) == 8);
+
 /// What a piece of a surface looks like, in whole numbers, so that sums of it do not depend on
 /// their order.
 struct SurfaceSample {
-    std::array<std::uint16_t, 3> color{};     // linear, in 65535ths
-    std::uint16_t opacity = 65535;            // the part of the piece that is no hole, in 65535ths
+    Tint tint;
     std::array<std::uint32_t, 3> emission{};  // in 2^20ths of SurfaceSampler::greatest_emission()
 };
 
@@ -149,9 +156,10 @@ inline SurfaceSample SurfaceSampler::Triangle::plain_at(const dvec3& point) cons
     const FourFloats none{}, one = none + 1.0f;
     color = color > none ? color : none;
     color = color < one ? color : one;
-    const auto parts = __builtin_convertvector(color * 65535.0f + 0.5f, detail::FourInts);
     SurfaceSample sample;
-    for (unsigned i = 0; i < 3; ++i) sample.color[i] = static_cast<std::uint16_t>(parts[i]);
+    const detail::EightWords tint = detail::low_words(
+        __builtin_convertvector(color * 65535.0f + 0.5f, detail::FourInts), 65535);
+    std::memcpy(static_cast<void*>(&sample.tint), &tint, sizeof sample.tint);
     return sample;
 }
 

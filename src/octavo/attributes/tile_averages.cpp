@@ -67,9 +67,9 @@ public:
         // Emission and normal count the whole area, colour only what is no hole.
         area_ += part.area;
         const std::uint64_t solid =
-            part.opacity == 65535 ? part.area : part.area * part.opacity / 65535;
+            part.tint.opacity == 65535 ? part.area : part.area * part.tint.opacity / 65535;
         solid_ += solid;
-        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.color[i];
+        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.tint.color[i];
         if (color_alone_) return;
         for (unsigned i = 0; i < 3; ++i) {
             emission_[i] += (part.area >> 8) * glow[i];
@@ -120,7 +120,10 @@ TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles
       glows_wanted_(wanted.emission && surfaces.greatest_emission() > 0.0f),
       srgb8_(srgb8_of_linear16()),
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth_ - 2)),
-      firsts_(masks_.size()) {}
+      firsts_(masks_.size()) {
+    for (std::uint32_t i = 0; i < 1u << tile_depth_; ++i)
+        spread_.push_back(static_cast<std::uint32_t>(detail::spread_bits_by_3(i)));
+}
 
 void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues& out) {
     find_cells(range);
@@ -143,21 +146,31 @@ void TileAverager::average(const uvec3& tile, const CellRange& range, TileValues
 }
 
 void TileAverager::start_parts() {
-    parts_.assign(end_ - begin_, Part());
+    parts_.resize(end_ - begin_);
+    for (Part& part : parts_) {
+        part.next = kNone;
+        part.area = 0;
+    }
     if (glows_wanted_) glows_.resize(parts_.size());
 }
 
-void TileAverager::add_part(std::uint32_t cell, const Part& part, const Glow& glow) {
-    Part& first = parts_[cell - begin_];
-    if (first.area == 0) {
-        first = part;
-        if (glows_wanted_) glows_[cell - begin_] = glow;
-        return;
-    }
-    const std::uint32_t next = std::exchange(first.next, static_cast<std::uint32_t>(parts_.size()));
-    parts_.push_back(part);
-    parts_.back().next = next;
-    if (glows_wanted_) glows_.push_back(glow);
+inline void TileAverager::add_part(std::uint32_t cell, std::uint32_t facet, std::uint64_t area,
+                                   const Tint& tint, const Glow& glow) {
+    // Field by field: a part that is put together first is copied before its halves have arrived.
+    const auto put = [&](std::size_t place, std::uint32_t next) {
+        Part& part = parts_[place];
+        part.next = next;
+        part.facet = facet;
+        part.area = area;
+        part.tint = tint;
+        if (glows_wanted_) glows_[place] = glow;
+    };
+    const std::uint32_t first = cell - begin_;
+    if (parts_[first].area == 0) return put(first, kNone);
+    const auto place = static_cast<std::uint32_t>(parts_.size());
+    parts_.emplace_back();
+    if (glows_wanted_) glows_.emplace_back();
+    put(place, std::exchange(parts_[first].next, place));
 }
 
 void TileAverager::take_cells(std::uint32_t begin, std::uint32_t end) {
@@ -181,11 +194,9 @@ void TileAverager::take_fewer_cells() {
     const std::vector<Glow> glows = std::exchange(glows_, {});
     start_parts();
     for (std::uint32_t cell = begin_; cell < end_; ++cell)
-        for (std::uint32_t p = cell - begin_; p != kNone && parts[p].area != 0; p = parts[p].next) {
-            Part part = parts[p];
-            part.next = kNone;
-            add_part(cell, part, glows_wanted_ ? glows[p] : Glow());
-        }
+        for (std::uint32_t p = cell - begin_; p != kNone && parts[p].area != 0; p = parts[p].next)
+            add_part(cell, parts[p].facet, parts[p].area, parts[p].tint,
+                     glows_wanted_ ? glows[p] : Glow());
 }
 
 void TileAverager::find_cells(const CellRange& range) {
@@ -205,8 +216,7 @@ void TileAverager::find_cells(const CellRange& range) {
     });
 }
 
-std::uint32_t TileAverager::number_of(const ivec3& cell) const {
-    const std::uint64_t code = morton_encode(uvec3(cell));
+inline std::uint32_t TileAverager::number_of(std::uint64_t code) const {
     const std::uint64_t mask = masks_[code >> 6];
     const std::uint64_t bit = std::uint64_t{1} << (code & 63u);
     if (!(mask & bit)) return kNone;
@@ -250,17 +260,23 @@ void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
     facets_.push_back(facet_of(pieces));
     const SurfaceSampler::Triangle surface =
         surfaces_.prepare(in_scene, corners, footprint_of(pieces.area()));
+    const ivec3 axes = pieces.axes();
+    const auto code_of = [&](const ivec3& cell) {
+        std::uint32_t code = 0;
+        for (int i = 0; i < 3; ++i) code |= spread_[static_cast<unsigned>(cell[i])] << axes[i];
+        return code;
+    };
     // Some pieces together, so that waiting for the texels of one goes on beside the next.
     std::array<TrianglePieces::Piece, 32> some;
     std::size_t count = 0;
     const auto sample_some = [&] {
         for (const TrianglePieces::Piece& piece : std::span(some).first(std::exchange(count, 0))) {
-            const std::uint32_t cell = number_of(piece.cell);
+            const std::uint32_t cell = number_of(code_of(piece.cell));
             const auto area = static_cast<std::uint64_t>(piece.area * kAreaUnits + 0.5);
             if (cell < begin_ || cell >= end_ || area == 0) continue;  // or kNone
-            const SurfaceSample sample = surface.at(piece.centre);
-            if (sample.opacity == 0) continue;
-            add_part(cell, {kNone, number, area, sample.color, sample.opacity}, sample.emission);
+            const SurfaceSample sample = surface.at(pieces.in_place(piece.centre));
+            if (sample.tint.opacity == 0) continue;
+            add_part(cell, number, area, sample.tint, sample.emission);
             if (parts_.size() > most_parts_) take_fewer_cells();
         }
     };
@@ -330,7 +346,7 @@ void TileAverager::touch_bare_cells() {
 
     for (const Bare& b : bare) {
         SurfaceSample sample;
-        sample.color = {65535, 65535, 65535};
+        sample.tint.color = {65535, 65535, 65535};
         const auto number = static_cast<std::uint32_t>(facets_.size());
         if (b.found()) {
             facets_.push_back(facet_of(TrianglePieces(b.corners)));
@@ -338,7 +354,7 @@ void TileAverager::touch_bare_cells() {
         } else {
             facets_.push_back({});
         }
-        add_part(b.cell, {kNone, number, 1 << 16, sample.color, 65535}, sample.emission);
+        add_part(b.cell, number, 1 << 16, {sample.tint.color, 65535}, sample.emission);
     }
 }
 
@@ -358,7 +374,7 @@ void TileAverager::write(std::uint32_t cell, TileValues& out) const {
         Sum sum(color_alone);
         if (!color_alone) add_to(sum, first);
         Rgb8 color{};
-        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[part.color[i]];
+        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[part.tint.color[i]];
         put(Channel::color, pack_rgb8(color));
         put(Channel::back, 0);
         put(Channel::emission, sum.emission(greatest));

@@ -46,15 +46,14 @@ private:
         std::uint32_t next = kNone;  // of the same cell
         std::uint32_t facet = 0;
         std::uint64_t area = 0;  // a cell's face is 2^32; 0: there is none
-        std::array<std::uint16_t, 3> color{};
-        std::uint16_t opacity = 0;
+        Tint tint;
     };
     static constexpr std::uint32_t kNone = 0xffffffffu;
     using Glow = std::array<std::uint32_t, 3>;
     class Sum;
 
     void find_cells(const CellRange& range);
-    [[nodiscard]] std::uint32_t number_of(const ivec3& cell) const;
+    [[nodiscard]] std::uint32_t number_of(std::uint64_t code) const;
     /// Calls visit(corners, scene_triangle) for the triangles that meet the tile.
     template <class Visit>
     void for_each_triangle(const Visit& visit) const;
@@ -63,7 +62,8 @@ private:
     void take_cells(std::uint32_t begin, std::uint32_t end);
     void take_fewer_cells();
     void start_parts();
-    void add_part(std::uint32_t cell, const Part& part, const Glow& glow);
+    void add_part(std::uint32_t cell, std::uint32_t facet, std::uint64_t area, const Tint& tint,
+                  const Glow& glow);
     void touch_bare_cells();
     void write(std::uint32_t cell, TileValues& out) const;
 
@@ -85,6 +85,7 @@ private:
     std::uint32_t begin_ = 0, end_ = 0;  // the cells that parts are kept of
     Box near_;                           // what has no part in these lies outside
 
+    std::vector<std::uint32_t> spread_;  // of each number below a tile's width: bit i at bit 3i
     std::vector<std::uint64_t> masks_;   // of each block of 4x4x4 cells
     std::vector<std::uint32_t> firsts_;  // number in the tile of each block's first cell
     std::vector<std::uint32_t> blocks_;  // those that are not empty

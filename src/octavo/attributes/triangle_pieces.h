@@ -18,9 +18,9 @@ namespace octavo {
 class TrianglePieces {
 public:
     struct Piece {
-        ivec3 cell;
+        ivec3 cell;    // along axes()
         double area;   // in cells' faces
-        dvec3 centre;  // of its area
+        dvec3 centre;  // of its area; along axes()
     };
 
     explicit TrianglePieces(const std::array<dvec3, 3>& corners) : corners_(corners) {
@@ -35,6 +35,18 @@ public:
         stretch_ = glm::length(normal) / size[w_];
         normal_ = normal / glm::length(normal);
         area_ = 0.5 * glm::length(normal);
+    }
+
+    /// The axes in the order in which pieces have them: the triangle looks most along the last.
+    [[nodiscard]] ivec3 axes() const { return {u_, v_, w_}; }
+    /// From along axes() to along x, y and z.
+    template <class Vector>
+    [[nodiscard]] Vector in_place(const Vector& along) const {
+        Vector p;
+        p[u_] = along.x;
+        p[v_] = along.y;
+        p[w_] = along.z;
+        return p;
     }
 
     [[nodiscard]] double area() const { return area_; }  // 0: it is a line or a point
@@ -220,15 +232,7 @@ private:
     void give(int u, int v, int w, double shadow, const dvec3& centre, const Axes& first,
               const Axes& end, const Visit& visit) const {
         if (w < first[2] || w >= end[2]) return;
-        Piece piece;
-        piece.cell[u_] = u;
-        piece.cell[v_] = v;
-        piece.cell[w_] = w;
-        piece.area = shadow * stretch_;
-        piece.centre[u_] = centre.x;
-        piece.centre[v_] = centre.y;
-        piece.centre[w_] = centre.z;
-        visit(piece);
+        visit(Piece{{u, v, w}, shadow * stretch_, centre});
     }
 
     std::array<dvec3, 3> corners_;
