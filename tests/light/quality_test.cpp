@@ -158,6 +158,33 @@ TEST(EmissionAloneSlow, LightsARoomAsPathsDo) {
         }
 }
 
+// Light is far less even in a niche than in the room that it opens to. A rest that was estimated
+// from what arrives in the niche made its walls a rectangle that shone.
+TEST(EmissionAloneSlow, LightsANicheAsPathsDo) {
+    const auto in_box = [](const dvec3& p, const dvec3& centre, const dvec3& half) {
+        const dvec3 d = glm::abs(p - centre) - half;
+        return std::max({d.x, d.y, d.z});
+    };
+    const Dag dag = test::dag_of_voxels(6, [&](const dvec3& p) {
+        const double d =
+            std::min(in_box(p, {32, 32, 22}, {20, 20, 16}), in_box(p, {32, 32, 46}, {12, 16, 10}));
+        return d >= 0.0 && d < 1.0;
+    });
+    const auto lamp = [](const uvec3& v) {
+        return v.y > 50 && glm::length(dvec3(v) - dvec3(32, v.y, 14)) < 5.0 ? 20.0f : 0.0f;
+    };
+    LitScene scene = scene_of(dag, grey(dag, 6, 230, lamp), {});
+    const RenderOptions options = small_picture({32, 32, 48}, {32, 32, 60}, 256);
+    const double reference = mean_green(render_lit(scene, Lighting::reference, options));
+    for (const int bounces : {2, 8}) {
+        light_cells(scene, {.bounces = bounces});
+        const double cached = mean_green(render_lit(scene, Lighting::cached, options));
+        std::printf("niche, %d bounces and the rest: cached %.4f of the reference\n", bounces,
+                    cached / reference);
+        EXPECT_NEAR(cached / reference, 1.0, bounces == 2 ? 0.04 : 0.01);
+    }
+}
+
 /// Where the reference has no light, how much another picture has: of the brightest the reference
 /// has. @param allowed  of the reference, what counts as none
 double most_where_dark(const Image& picture, const Image& reference, float allowed) {

@@ -30,7 +30,7 @@ public:
           rows_hold_(scene.objects.size()) {}
 
     LightReport light_all() {
-        start_report(static_cast<std::uint64_t>(options_.bounces) + 1);
+        start_report(static_cast<std::uint64_t>(sides_.passes()) + 1);
         with_threads(options_.threads, [&] {
             for (ObjectLight& o : sides_.objects()) {
                 for_blocks(o, {}, [&](const SideBlock& block) {
@@ -41,12 +41,14 @@ public:
                 rows_hold_[o.object].assign(o.blocks.size(), 1);
             }
             sides_.find_rest();
-            for (int bounce = 1; bounce <= options_.bounces; ++bounce)
+            for (int bounce = 1; bounce <= sides_.passes(); ++bounce) {
+                const SideLight::Sent sent = sides_.sent_before(bounce);
                 for (ObjectLight& o : sides_.objects())
                     for_blocks(o, {}, [&](const SideBlock& block) {
-                        sides_.reflect(o, block, bounce);
+                        sides_.reflect(o, block, bounce, sent);
                         sides_.write(o, block, bounce);
                     });
+            }
             sides_.show();
         });
         return finish_report();
@@ -66,7 +68,7 @@ public:
         start_report(0);
         with_threads(options_.threads, [&] {
             Changes changes = redo_lamps(changed);
-            for (int bounce = 1; bounce <= options_.bounces; ++bounce)
+            for (int bounce = 1; bounce <= sides_.passes(); ++bounce)
                 changes = redo_bounce(bounce, changes, {});
             sides_.show();
         });
@@ -97,7 +99,7 @@ public:
             Changes changes =
                 redo_around_object({moved, wide_before, box_with_margin(scene_, sides_.world(), o)},
                                    {ball_of(before), ball_of(after)}, looked_around);
-            for (int bounce = 1; bounce <= options_.bounces; ++bounce)
+            for (int bounce = 1; bounce <= sides_.passes(); ++bounce)
                 changes = redo_bounce(bounce, changes, looked_around);
             sides_.show();
         });
@@ -195,7 +197,7 @@ private:
             looked_around.push_back(std::move(around));
             changes.push_back(std::move(flux));
         }
-        sides_.find_rest(sides_.objects()[moved.object]);
+        sides_.find_rest(looked_around);
         return changes;
     }
 
@@ -212,6 +214,7 @@ private:
             for (std::size_t b = 0; b < before[i].size(); ++b)
                 if (before[i][b] > 0.0)
                     sources.push_back({&objects[i].blocks[b].box, before[i][b]});
+        const SideLight::Sent sent = sides_.sent_before(bounce);
         Changes changes;
         for (ObjectLight& o : sides_.objects()) {
             std::vector<std::uint8_t> some(o.blocks.size(), 0);
@@ -231,7 +234,8 @@ private:
                 }
                 some[b] = bound > options_.tolerance ? 1 : 0;
             });
-            for_blocks(o, some, [&](const SideBlock& block) { sides_.reflect(o, block, bounce); });
+            for_blocks(o, some,
+                       [&](const SideBlock& block) { sides_.reflect(o, block, bounce, sent); });
             // Blocks whose direct light alone changed have another sum too.
             tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
                 flux[b] = sides_.write(o, o.blocks[b], bounce);

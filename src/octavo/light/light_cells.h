@@ -16,7 +16,7 @@ struct LightOptions {
     int bounces = 2;       // between the first surface that light meets and the last; 0 to 8
     int lamp_rays = 16;    // towards each lamp that reaches the cell; a quarter where they agree
     int around_rays = 64;  // over the hemisphere, for the sky and all bounces together
-    int source_rays = 16;  // towards an uneven sky; as many towards cells that shine
+    int source_rays = 64;  // towards an uneven sky; as many towards cells that shine
 
     /// Adds what is sent on more than `bounces` times, as far as it is known from what surrounds a
     /// cell; see docs/adr/0024. Nothing with bounces 0.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/light/side_light.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -34,6 +35,14 @@ float greatest(const vec3& v) {
 // The steps by which the rest of the light is estimated.
 constexpr int kRestSteps = 4;
 constexpr float kMostRatio = 0.98f;  // from one to the next: whiter walls do not exist
+
+/// What comes back along a row's rays, on average.
+vec3 mean_of(std::span<const std::uint32_t> row, const SideLight::Sent& sent) {
+    vec4 sum(0.0f);
+    for (const std::uint32_t word : row)
+        if (CellWords::is_word(word)) sum += sent[word];
+    return vec3(sum) / static_cast<float>(row.size());
+}
 
 /// Where the cells of an object are in common space.
 class Placed {
@@ -83,7 +92,7 @@ SideLight::SideLight(LitScene& scene, const LightOptions& options)
             static_cast<ObjectSides&>(o) = find_sides(scene_, *world_, i, cells_);
             o.from_lamps.resize(o.sides.size(), vec3(0.0f));
             o.from_sources.resize(o.sides.size(), vec3(0.0f));
-            o.reflected.resize(static_cast<std::size_t>(options_.bounces));
+            o.reflected.resize(static_cast<std::size_t>(passes()));
             for (auto& some : o.reflected) some.resize(o.sides.size(), vec3(0.0f));
             sides += o.sides.size();
         }
@@ -98,13 +107,13 @@ SideLight::SideLight(LitScene& scene, const LightOptions& options)
 /// very many cells, where they are all alike.
 void SideLight::check_size() {
     const std::uint64_t bytes =
-        sizeof(std::uint32_t) * cells_.size() * (static_cast<std::uint64_t>(options_.bounces) + 2);
+        sizeof(std::uint32_t) * cells_.size() * (static_cast<std::uint64_t>(passes()) + 2);
     if (bytes > machine_memory_bytes() / 2)
         throw Error(Errc::limit, "the light of " + std::to_string(cells_.size() / 6) +
                                      " cells and " + std::to_string(options_.bounces) +
                                      " bounces takes " + std::to_string(bytes) +
                                      " bytes, more than half of this machine's memory");
-    for (int bounce = 0; bounce <= options_.bounces; ++bounce)
+    for (int bounce = 0; bounce <= passes(); ++bounce)
         words_.push_back(std::make_shared<Words>(cells_.size(), CellLight::kHidden));
     if (closes()) rest_.assign(cells_.size(), CellLight::kHidden);
 }
@@ -134,18 +143,28 @@ void SideLight::for_rows(ObjectLight& o, const SideBlock& block, const Visit& vi
         visit(i, all.subspan((i - block.first) * row_length(), row_length()));
 }
 
-/// What the cells that a row's rays met send back of this light, on average over the rays.
-vec3 SideLight::sent_to(std::span<const std::uint32_t> row, const Words& light) const {
-    vec3 sum(0.0f);
-    for (const std::uint32_t word : row)
-        if (CellWords::is_word(word)) sum += cells_.albedo(word) * unpack_rgb9e5(light[word]);
-    return sum / static_cast<float>(row.size());
+/// What all sides send back of a light that is stored, and as much everywhere besides.
+SideLight::Sent SideLight::sent_back(const Words& light, float more) const {
+    Sent sent(light.size());
+    constexpr std::size_t kSome = 4096;
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, sent.size(), kSome), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i)
+                sent[i] = vec4(
+                    cells_.albedo(static_cast<std::uint32_t>(i)) * (more + unpack_rgb9e5(light[i])),
+                    0.0f);
+        });
+    return sent;
 }
 
-void SideLight::reflect(ObjectLight& o, const SideBlock& block, int bounce) {
+SideLight::Sent SideLight::sent_before(int bounce) const {
+    return sent_back(*words_[static_cast<std::size_t>(bounce) - 1], 0.0f);
+}
+
+void SideLight::reflect(ObjectLight& o, const SideBlock& block, int bounce, const Sent& sent) {
     const auto index = static_cast<std::size_t>(bounce) - 1;
     for_rows(o, block, [&](std::size_t side, std::span<const std::uint32_t> row) {
-        o.reflected[index][side] = sent_to(row, *words_[index]);
+        o.reflected[index][side] = mean_of(row, sent);
     });
     sides_done_ += block.end - block.first;
 }
@@ -156,11 +175,12 @@ void SideLight::find_rest() {
     for (const ObjectLight& o : objects_)
         for (const LitSide& side : o.sides) before[o.word_of(side)] = pack_rgb9e5(vec3(1.0f));
     for (int step = 1; step <= kRestSteps; ++step) {
+        const Sent sent = sent_back(before, 0.0f);
         for (ObjectLight& o : objects_)
             tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
                 for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
                     const std::uint32_t word = o.word_of(o.sides[i]);
-                    const vec3 term = sent_to(row, before);
+                    const vec3 term = mean_of(row, sent);
                     vec3 sum = step == 1 ? term : unpack_rgb9e5(rest_[word]) + term;
                     if (step == kRestSteps) {
                         const vec3 last = unpack_rgb9e5(before[word]);
@@ -176,19 +196,16 @@ void SideLight::find_rest() {
     }
 }
 
-void SideLight::find_rest(ObjectLight& o) {
+void SideLight::find_rest(const std::vector<std::vector<std::uint8_t>>& some) {
     if (!closes()) return;
-    std::vector<std::uint32_t> found(o.sides.size());
-    tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
-        for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
-            vec3 sum(0.0f);
-            for (const std::uint32_t word : row)
-                if (CellWords::is_word(word))
-                    sum += cells_.albedo(word) * (1.0f + unpack_rgb9e5(rest_[word]));
-            found[i] = pack_rgb9e5(sum / static_cast<float>(row.size()));
+    const Sent sent = sent_back(rest_, 1.0f);
+    for (ObjectLight& o : objects_)
+        tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
+            if (some[o.object][b] == 0) return;
+            for_rows(o, o.blocks[b], [&](std::size_t i, std::span<const std::uint32_t> row) {
+                rest_[o.word_of(o.sides[i])] = pack_rgb9e5(mean_of(row, sent));
+            });
         });
-    });
-    for (std::size_t i = 0; i < o.sides.size(); ++i) rest_[o.word_of(o.sides[i])] = found[i];
 }
 
 template <class Begin, class Add>
@@ -285,7 +302,7 @@ vec3 SideLight::sum(const ObjectLight& o, std::size_t side, int bounce) const {
     const auto last = static_cast<std::size_t>(bounce) - 1;
     const vec3 reflected = o.reflected[last][side];
     light += reflected;
-    if (bounce < options_.bounces || !closes()) return light;
+    if (bounce != options_.bounces || !closes()) return light;
     const vec3 before = last == 0 ? vec3(0.0f) : o.reflected[last - 1][side];
     return light + glm::max(reflected - before, vec3(0.0f)) *
                        unpack_rgb9e5(rest_[o.word_of(o.sides[side])]);

@@ -19,7 +19,7 @@ namespace octavo {
 /// The light of one object's cells, in all its stages.
 struct ObjectLight : ObjectSides {
     std::vector<vec3> from_lamps, from_sources;  // of each side
-    std::vector<std::vector<vec3>> reflected;    // for each number of bounces, from 1
+    std::vector<std::vector<vec3>> reflected;    // for each pass, from 1
     std::vector<std::uint32_t> rows;  // if they are kept: for each side and ray over its hemisphere
                                       // the word that the ray met
 };
@@ -51,8 +51,19 @@ public:
     /// Whether what rays met is kept.
     [[nodiscard]] bool keeps_rows() const { return keeps_rows_; }
 
-    /// Gathers a bounce from the light before it.
-    void reflect(ObjectLight& o, const SideBlock& block, int bounce);
+    /// How often light is gathered from the light before it: for each bounce, and once more where
+    /// the rest is estimated. How even the light is differs from side to side, and so does how
+    /// wrong the estimate is: what is shown has its mean over all that a side sees.
+    [[nodiscard]] int passes() const { return options_.bounces + (closes() ? 1 : 0); }
+
+    /// What each side of a cell sends back, by its word; as four numbers, which are read at once.
+    /// A pass asks for each of them many times.
+    using Sent = std::vector<vec4>;
+    /// Of the light before a bounce. @param bounce  1 to passes()
+    [[nodiscard]] Sent sent_before(int bounce) const;
+
+    /// Gathers a bounce. @param sent  of the light before it
+    void reflect(ObjectLight& o, const SideBlock& block, int bounce, const Sent& sent);
 
     /// Finds for each side what a light that is even around it adds up to by being sent on again
     /// and again: the sum over k of A^k 1, where A is one bounce. The first terms are found one by
@@ -60,8 +71,9 @@ public:
     /// Nothing where the options ask for no such estimate.
     void find_rest();
 
-    /// The same for an object that stands somewhere else: one step from what is known.
-    void find_rest(ObjectLight& o);
+    /// The same for sides that look at other things now: one step from what is known.
+    /// @param some  for each object and block whether it is one of theirs
+    void find_rest(const std::vector<std::vector<std::uint8_t>>& some);
 
     /// Stores what the light of a block sums up to. @return the flux by which it changed
     double write(ObjectLight& o, const SideBlock& block, int bounce);
@@ -90,7 +102,7 @@ private:
                                                       Words& scratch);
     void gather_rows(ObjectLight& o, const SideBlock& block, std::span<std::uint32_t> rows,
                      const MovedObject* moved = nullptr);
-    [[nodiscard]] vec3 sent_to(std::span<const std::uint32_t> row, const Words& light) const;
+    [[nodiscard]] Sent sent_back(const Words& light, float more) const;
     [[nodiscard]] vec3 sum(const ObjectLight& o, std::size_t side, int bounce) const;
 
     /// Calls visit(side, row) for the sides of a block.
@@ -107,8 +119,8 @@ private:
     std::optional<LitWorld> world_;
     std::vector<ObjectLight> objects_;
     CellWords cells_;
-    std::vector<std::shared_ptr<Words>> words_;  // the light as it is stored, for each number of
-                                                 // bounces, from 0
+    std::vector<std::shared_ptr<Words>> words_;  // the light as it is stored, after each pass from
+                                                 // 0; with the rest from that of all bounces on
     Words rest_;  // of each side, what an even light around it adds up to; see find_rest()
     bool keeps_rows_ = false;
     std::atomic<std::uint64_t> rays_ = 0, sides_done_ = 0;
