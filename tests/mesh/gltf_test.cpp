@@ -331,6 +331,46 @@ TEST(Gltf, SaysWhichPackingItCannotRead) {
     EXPECT_NE(std::string(error.what()).find("draco"), std::string::npos);
 }
 
+TEST(Gltf, SaysWhichOtherVersionItIs) {
+    const TemporaryFolder folder;
+    GltfFile file = with_triangle();
+    const auto says = [](const std::filesystem::path& written, const std::string& version) {
+        const Error error = load_error(written);
+        EXPECT_EQ(error.code(), Errc::unsupported);
+        EXPECT_NE(std::string(error.what()).find("glTF " + version), std::string::npos)
+            << error.what();
+    };
+    file.root["asset"]["version"] = "1.0";
+    says(file.write(folder), "1.0");
+    says(folder.write("a.glb", "glTF" + raw(1u) + std::string(20, '\0')), "1");
+    for (const char* version : {"2", "2.1"}) {
+        file.root["asset"]["version"] = version;
+        EXPECT_EQ(load_scene(file.write(folder)).triangles.size(), 1u);
+    }
+}
+
+TEST(Gltf, SaysThatPointsAndLinesAreNoTriangles) {
+    const TemporaryFolder folder;
+    GltfFile file = with_triangle();
+    for (const int mode : {0, 1, 2, 3}) {
+        file.root["meshes"][0]["primitives"][0]["mode"] = mode;
+        const Error error = load_error(file.write(folder));
+        EXPECT_EQ(error.code(), Errc::bad_input);
+        EXPECT_NE(std::string(error.what()).find("only points or lines"), std::string::npos);
+    }
+}
+
+TEST(Gltf, NamesABufferThatDoesNotExist) {
+    const TemporaryFolder folder;
+    GltfFile file = with_triangle();
+    const auto written = file.write(folder);
+    std::filesystem::remove(folder / "my data.bin");
+    const Error error = load_error(written);
+    EXPECT_EQ(error.code(), Errc::bad_input);
+    EXPECT_EQ(error.file(), written);
+    EXPECT_NE(std::string(error.what()).find("my%20data.bin"), std::string::npos);
+}
+
 TEST(Gltf, GlbEndsInAnErrorWhereverItIsCutShort) {
     const TemporaryFolder folder;
     GltfFile file = with_triangle();

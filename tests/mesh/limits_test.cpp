@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Small files that would become huge scenes, and libraries that do not come back.
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <atomic>
@@ -153,6 +154,19 @@ TEST(ChildProcess, CrashIsBadInput) {
     EXPECT_EQ(code_of([&] { (void)read_in_child("a.dae", crash, 256 * kMiB, 60.0); }, &message),
               Errc::bad_input);
     EXPECT_EQ(message.find("a.dae: "), 0u) << message;
+}
+
+TEST(ChildProcess, WhatItPrintsIsNotSeen) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const auto chatter = []() -> Scene {
+        for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+            if (write(stream, "loaded\n", 7) != 7) throw Error(Errc::io, "a", "cannot print");
+        return {};
+    };
+    (void)read_in_child("a.dae", chatter, 256 * kMiB, 60.0);
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(ChildProcess, EndlessLoopIsALimit) {

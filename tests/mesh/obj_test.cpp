@@ -29,6 +29,21 @@ TEST(Obj, KeepsFarCoordinatesExactToTheDouble) {
     EXPECT_EQ(scene.positions[2], dvec3(0, 0.5, -2.5));
 }
 
+TEST(Obj, ReadsTheFirstLineBehindAByteOrderMark) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("a.obj", "\xef\xbb\xbfv 5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_EQ(load_scene(file).positions.at(0), dvec3(5, 0, 0));
+}
+
+TEST(Obj, SaysThatTwoBytesACharacterAreNotRead) {
+    const TemporaryFolder folder;
+    for (const std::string& text : {std::string("\xff\xfev\0", 4), std::string("\xfe\xff\0v", 4)}) {
+        const Error error = load_error(folder.write("a.obj", text));
+        EXPECT_EQ(error.code(), Errc::unsupported);
+        EXPECT_NE(std::string(error.what()).find("UTF-16"), std::string::npos) << error.what();
+    }
+}
+
 TEST(Obj, CountsNegativeIndicesBackFromTheLatestVertex) {
     const TemporaryFolder folder;
     const Scene scene = load_scene(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/mesh/child_process.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -57,9 +58,17 @@ void write_all(int descriptor, const std::string& text) {
     }
 }
 
+/// What the library prints is neither the program's answer nor its one line of an error.
+void silence_standard_streams() {
+    const Descriptor nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
+    for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+        if (nowhere.get() < 0 || dup2(nowhere.get(), stream) < 0) close(stream);
+}
+
 [[noreturn]] void run_child(int result, const std::function<Scene()>& read,
                             std::uint64_t max_address_space) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it any more
+    silence_standard_streams();
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
     const rlimit memory{max_address_space, max_address_space};

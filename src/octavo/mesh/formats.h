@@ -11,6 +11,12 @@
 /// triangles.
 namespace octavo::formats {
 
+/// A bad_input Error about a file with vertices but no triangles.
+[[nodiscard]] inline Error only_points_or_lines(const std::filesystem::path& file) {
+    return {Errc::bad_input, file,
+            "has no triangles, only points or lines: it must be meshed first"};
+}
+
 /// .gltf and .glb. @param max_bytes  of vertices and triangles @throws Error limit beyond
 [[nodiscard]] Scene read_gltf(const FileBytes& bytes, std::uint64_t max_bytes);
 [[nodiscard]] Scene read_obj(LineReader& lines);

@@ -49,6 +49,8 @@ public:
         check_extensions();
         placements_ = read_materials(document_, scene_);
         walk_nodes();
+        if (scene_.triangles.empty() && other_primitives_ != 0)
+            throw formats::only_points_or_lines(document_.file().file());
         if (!any_material_) scene_.triangle_materials = {};
         if (other_primitives_ != 0)
             warn(std::to_string(other_primitives_) + " sets of points or lines were passed over");

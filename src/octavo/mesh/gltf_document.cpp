@@ -61,6 +61,17 @@ int base64_digit(char c) {
     return c == '/' ? 63 : -1;
 }
 
+/// "2.0"; empty where the file does not say.
+std::string asset_version(const json& root) {
+    const json* asset = child(root, "asset");
+    const json* version = asset && asset->is_object() ? child(*asset, "version") : nullptr;
+    return version && version->is_string() ? version->get<std::string>() : std::string();
+}
+
+Error other_version(const std::filesystem::path& file, const std::string& version) {
+    return {Errc::unsupported, file, "is glTF " + version + ": convert it to glTF 2.0"};
+}
+
 }  // namespace
 
 dvec4 Accessor::real(std::size_t i) const {
@@ -125,8 +136,8 @@ Document::Document(const FileBytes& bytes, std::uint64_t max_bytes)
         constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
         if (view.size() < kHeaderSize + kChunkHeaderSize)
             throw bytes.error_at(view.data() + view.size(), "is too short for a GLB file");
-        if (little_endian_word(view, 4) != 2)
-            throw bytes.error_at(view.data() + 4, "is not version 2 of GLB");
+        if (const std::uint32_t version = little_endian_word(view, 4); version != 2)
+            throw other_version(bytes.file(), std::to_string(version));
         text = {};
         for (std::size_t at = kHeaderSize; at + kChunkHeaderSize <= view.size();) {
             const std::size_t size = little_endian_word(view, at);
@@ -147,6 +158,9 @@ Document::Document(const FileBytes& bytes, std::uint64_t max_bytes)
                              "its JSON is malformed");
     }
     if (!root_.is_object()) throw bytes.error("its JSON is not an object");
+    if (const std::string version = asset_version(root_);
+        !version.empty() && version != "2" && !version.starts_with("2."))
+        throw other_version(bytes.file(), version);
 }
 
 std::size_t Document::count(const char* name) const {
@@ -179,6 +193,9 @@ std::span<const std::byte> Document::buffer(std::size_t index) {
     if (!path) throw file_.error("the buffer '" + uri + "' is outside the scene's folder");
     auto known = buffer_files_.find(*path);
     if (known == buffer_files_.end()) {
+        std::error_code unknown;
+        if (!std::filesystem::exists(*path, unknown))
+            throw file_.error("the buffer '" + uri + "' does not exist");
         known = buffer_files_.emplace(*path, read_file(*path, buffer_bytes_left_)).first;
         buffer_bytes_left_ -= known->second.view().size();
     }

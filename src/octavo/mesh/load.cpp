@@ -36,15 +36,25 @@ bool is_ply(std::string_view bytes) {
     return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
 }
 
+/// Text of two bytes a character, as some editors save it, has none of the words that a reader
+/// knows.
+void refuse_utf16(std::string_view bytes, const fs::path& file) {
+    if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+        throw Error(Errc::unsupported, file, "is UTF-16 text: save it as UTF-8");
+}
+
 Scene read(const fs::path& file, const LoadLimits& limits) {
     const std::string extension = format_extension(file);
     if (extension == ".obj") {
         LineReader lines(file, limits.max_bytes);
+        refuse_utf16(lines.start(), file);
         if (!is_glb(lines.start()) && !is_ply(lines.start())) return formats::read_obj(lines);
     }
     const FileBytes bytes = read_inflated(file, limits.max_bytes);
-    if (is_glb(bytes.view()) || extension == ".gltf" || extension == ".glb")
+    if (is_glb(bytes.view()) || extension == ".gltf" || extension == ".glb") {
+        refuse_utf16(bytes.view(), file);
         return formats::read_gltf(bytes, limits.max_bytes);
+    }
     if (is_ply(bytes.view()) || extension == ".ply") return formats::read_ply(bytes);
     if (extension == ".stl") return formats::read_stl(bytes);
     if (formats::assimp_knows(file))
@@ -59,11 +69,10 @@ Scene read(const fs::path& file, const LoadLimits& limits) {
 
 /// What every reader promises; a mistake in one must not become a crash in a later room.
 void check(const Scene& scene, const fs::path& file) {
-    if (scene.triangles.empty())
-        throw Error(Errc::bad_input, file,
-                    scene.positions.empty()
-                        ? "has no triangles"
-                        : "has no triangles, only points or lines: it must be meshed first");
+    if (scene.triangles.empty()) {
+        if (!scene.positions.empty()) throw formats::only_points_or_lines(file);
+        throw Error(Errc::bad_input, file, "has no triangles");
+    }
     const std::size_t count = scene.positions.size();
     const auto in_range = [count](const uvec3& t) {
         return t.x < count && t.y < count && t.z < count;
