@@ -178,10 +178,12 @@ int main() try {
     std::memcpy(buffers[0].mapped, words.data(), words.size_bytes());
     auto* points = static_cast<octavo::vec4*>(buffers[1].mapped);
     const float resolution = static_cast<float>(model.grid.resolution());
-    for (std::uint32_t i = 0; i < kSide * kSide; ++i)
-        points[i] = {resolution * (static_cast<float>(i % kSide) + 0.5f) / kSide,
-                     resolution * 0.05f,
-                     resolution * (static_cast<float>(i / kSide) + 0.5f) / kSide, 0.0f};
+    const auto middle = [&](std::uint32_t square) {
+        return resolution * (static_cast<float>(square) + 0.5f) / kSide;
+    };
+    for (std::uint32_t z = 0; z < kSide; ++z)
+        for (std::uint32_t x = 0; x < kSide; ++x)
+            points[z * kSide + x] = {middle(x), resolution * 0.05f, middle(z), 0.0f};
     run(engine, buffers, {{0.5f, 0.8f, 0.3f, 0.0f}, model.dag.depth(), kSide * kSide});
 
     const auto* lit = static_cast<const std::uint32_t*>(buffers[2].mapped);

@@ -29,7 +29,7 @@ struct Built {
     Attributes attributes;
 };
 
-Built build_with(const Scene& scene, int depth, AttributeOptions options,
+Built build_with(const Scene& scene, int depth, const AttributeOptions& options,
                  VoxelRule rule = VoxelRule::conservative) {
     BuildOptions how;
     how.depth = depth;

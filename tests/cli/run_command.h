@@ -63,7 +63,7 @@ inline Outcome serve_and_interrupt(const std::filesystem::path& folder, const st
 /// The sample's DAG at 64^3, made once for each test program.
 inline std::filesystem::path small_octv() {
     static const TemporaryFolder folder;
-    const std::filesystem::path file = folder / "small.octv";
+    std::filesystem::path file = folder / "small.octv";
     if (!std::filesystem::exists(file))
         run_shell(folder.path(), "octavo build sample:courtyard -o small.octv -r 64 --quiet");
     return file;
