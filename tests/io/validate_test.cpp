@@ -47,7 +47,7 @@ class ValidateWords : public testing::Test {
 protected:
     /// The small model's file with these words of its DAG changed.
     [[nodiscard]] std::vector<std::uint8_t> with(
-        std::vector<std::pair<std::size_t, std::uint32_t>> changes) const {
+        const std::vector<std::pair<std::size_t, std::uint32_t>>& changes) const {
         OctvParts parts(bytes_of(test::small_model()));
         for (const auto& [word, value] : changes)
             std::memcpy(parts.find(octv::kDagSection)->content.data() + 4 * word, &value, 4);

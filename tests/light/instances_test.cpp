@@ -49,7 +49,8 @@ TEST(Instances, ManyMovedOnesAreHitWhereTheNearestOfThemIs) {
     const Dag dag = test::dust(4, 0.4, 5);
     std::vector<Instance> objects;
     for (int i = 0; i < 12; ++i) {
-        dmat4 m = glm::translate(dmat4(1.0), dvec3(20.0 * (i % 4), 20.0 * (i / 4), 7.0 * i));
+        const ivec2 place(i % 4, i / 4);
+        dmat4 m = glm::translate(dmat4(1.0), dvec3(20.0 * place.x, 20.0 * place.y, 7.0 * i));
         m = glm::rotate(m, 0.7 * i, glm::normalize(dvec3(1, i, 2)));
         m = glm::scale(m, dvec3(1.0 + 0.1 * i));
         objects.push_back({dag, unit_grid(4), i == 0 ? dmat4(1.0) : m});
