@@ -14,6 +14,7 @@
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/save.h"
 #include "octavo/mesh/scene_archive.h"
+#include "support/sanitized.h"
 #include "support/temporary_folder.h"
 
 namespace octavo {
@@ -92,6 +93,8 @@ TEST(ChildProcess, HandsTheSceneOver) {
 }
 
 TEST(ChildProcess, AllocationThatFailsIsALimitEvenWhereTheLibraryCatchesIt) {
+    if (test::kAllocationsMayNotFail)
+        GTEST_SKIP() << "under the thread sanitizer nothing is thrown";
     const auto greedy = []() -> Scene {
         try {
             std::vector<char> all(std::size_t{1} << 40);
@@ -104,6 +107,8 @@ TEST(ChildProcess, AllocationThatFailsIsALimitEvenWhereTheLibraryCatchesIt) {
 }
 
 TEST(LoadLimits, CountsThatNoMemoryHoldsAreALimit) {
+    if (test::kAllocationsMayNotFail)
+        GTEST_SKIP() << "under the thread sanitizer nothing is thrown";
     const test::TemporaryFolder folder;
     const Error error =
         test::load_error(folder.write("a.off", "OFF\n4000000000 4000000000 0\n0 0 0\n"));

@@ -11,4 +11,12 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
+/// Whether a failed allocation ends the program, as it does under the thread sanitizer, and throws
+/// nothing.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool kAllocationsMayNotFail = true;
+#else
+inline constexpr bool kAllocationsMayNotFail = false;
+#endif
+
 }  // namespace octavo::test
