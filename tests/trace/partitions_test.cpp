@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octavo/dag/node.h"
+#include "support/sanitized.h"
 #include "support/small_dags.h"
 
 namespace octavo {
@@ -131,7 +132,7 @@ TEST(Partitions, OtherHeightsHaveNone) {
 }
 
 TEST(Partitions, TakeNoMoreThanTheyMay) {
-    for (int depth = 4; depth <= 12; ++depth)
+    for (int depth = 4; depth <= (test::kSanitized ? 9 : 12); ++depth)
         for (int height = 3; height < depth; ++height) {
             const Dag dag = test::dust(depth, 0.6, 2);
             Partitions partitions(dag, height);
