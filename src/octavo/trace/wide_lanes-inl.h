@@ -95,15 +95,16 @@ HWY_INLINE Ints highest_bit(Ints a) {
                    hn::Set(di, 127));
 }
 
-/// Set bits of numbers below 256.
+/// Set bits of numbers below 128.
 HWY_INLINE Ints count_bits(Ints bytes) {
     const IntTag di;
 #if OCTAVO_WIDE_AVX512
     const __m512i counts =
         _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
-    const __m512i low = hn::And(bytes, hn::Set(di, 15)).raw;
+    // A shuffle looks at the low four bits, and at the highest.
     const __m512i high = hn::ShiftRight<4>(bytes).raw;
-    return hn::Add(Ints{_mm512_shuffle_epi8(counts, low)}, Ints{_mm512_shuffle_epi8(counts, high)});
+    return hn::Add(Ints{_mm512_shuffle_epi8(counts, bytes.raw)},
+                   Ints{_mm512_shuffle_epi8(counts, high)});
 #else
     Ints v = hn::Sub(bytes, hn::And(hn::ShiftRight<1>(bytes), hn::Set(di, 0x55)));
     v = hn::Add(hn::And(v, hn::Set(di, 0x33)), hn::And(hn::ShiftRight<2>(v), hn::Set(di, 0x33)));

@@ -50,9 +50,7 @@ public:
         t_ = t_end_ = hn::Zero(df);
         down_ = ray_ = node_ = hn::Zero(di);
         height_ = hn::Set(di, 2);
-        low_ = high_ = hn::Zero(di);
-        even_ = hn::ShiftLeft<1>(hn::Iota(di, 0));
-        odd_ = hn::Add(even_, hn::Set(di, 1));
+        word_ = hn::Zero(di);
         above_lane_ = hn::Iota(di, static_cast<std::int32_t>(kLanes));
         least_height_ = hn::Set(di, stop.height + 1);
         leaf_shift_ = down_z_ = hn::Zero(di);
@@ -119,7 +117,7 @@ public:
         // Does the cell exist? In a leaf its 2x2x2 block's byte says so, whole or by its voxels.
         const Ints child_bit = hn::Shl(one, child_at(width));
         const IntMask in_leaf = hn::Lt(height_, hn::Set(di, 2));
-        const Ints kids = hn::IfThenElse(in_leaf, leaf_byte(), low_);
+        const Ints kids = hn::IfThenElse(in_leaf, leaf_byte(), word_);
         const Ints wanted = hn::IfThenElse(hn::Eq(height_, one), hn::Set(di, 255), child_bit);
         const IntMask exists = hn::And(live_, has_any(kids, wanted));
 
@@ -132,7 +130,7 @@ public:
         live_ = hn::Or(descends, advances);
         count_live_ = hn::CountTrue(di, live_);
 
-        const Ints lower = hn::And(low_, hn::Sub(child_bit, one));
+        const Ints lower = hn::And(word_, hn::Sub(child_bit, one));
         const Ints pointer = hn::Add(node_, count_bits(lower));
         node_ = gather_where(hn::AndNot(in_leaf, descends), hn::IfThenElse(advances, above, node_),
                              words_ + 1, pointer);
@@ -171,27 +169,17 @@ private:
     HWY_INLINE Ints leaf_byte() const {
         const IntTag di;
         const Ints two = hn::Set(di, 2);
-        const Ints eight = hn::Set(di, 8), sixteen = hn::Set(di, 16);
-        Ints shift = xor_where(has_any(corner_[0], two), leaf_shift_, eight);
-        shift = xor_where(has_any(corner_[1], two), shift, sixteen);
-        const IntMask upper = has_any(hn::Xor(corner_[2], down_z_), two);
-        return hn::Shr(hn::IfThenElse(upper, high_, low_), shift);
+        Ints shift = xor_where(has_any(corner_[0], two), leaf_shift_, hn::Set(di, 8));
+        shift = xor_where(has_any(corner_[1], two), shift, hn::Set(di, 16));
+        return hn::Shr(word_, shift);
     }
 
     HWY_INLINE void read_node() {
         const IntTag di;
-#if OCTAVO_WIDE_AVX512
-        // Both words at once: half as many loads.
-        const __m512i a = _mm512_i32gather_epi64(_mm512_castsi512_si256(node_.raw), words_, 4);
-        const __m512i b =
-            _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(node_.raw, 1), words_, 4);
-        low_ = Ints{_mm512_permutex2var_epi32(a, even_.raw, b)};
-        high_ = Ints{_mm512_permutex2var_epi32(a, odd_.raw, b)};
-#else
-        const Ints in_leaf = hn::VecFromMask(di, hn::Lt(height_, hn::Set(di, 2)));
-        low_ = hn::GatherIndex(di, words_, node_);
-        high_ = hn::GatherIndex(di, words_, hn::Sub(node_, in_leaf));
-#endif
+        const Ints two = hn::Set(di, 2);
+        const IntMask in_leaf = hn::Lt(height_, two);
+        const IntMask upper = hn::And(in_leaf, has_any(hn::Xor(corner_[2], down_z_), two));
+        word_ = hn::GatherIndex(di, words_, add_where(upper, node_, hn::Set(di, 1)));
     }
     /// A gather that misses the caches holds up all that follows it, and this does not.
     HWY_INLINE void prefetch_node() const {
@@ -282,7 +270,7 @@ private:
         if constexpr (kPrefetch)
             prefetch_node();
         else
-            low_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), low_);
+            word_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), word_);
         for (int height = batch.top; height <= depth_; ++height)
             hn::BlendedStore(hn::Set(di, batch.nodes[height]), take, di,
                              stack_ + static_cast<std::size_t>(height) * kLanes);
@@ -307,11 +295,9 @@ private:
     Floats frac_[3], inv_dir_[3];
     Floats t_, t_end_;
     Ints down_, ray_;
-    Ints height_;      // of the cell that the ray is in, see corner_
-    Ints node_;        // its parent; in a leaf, the leaf
-    Ints low_;         // the node's first word
-    Ints high_;        // a leaf's second word
-    Ints even_, odd_;  // numbers
+    Ints height_;  // of the cell that the ray is in, see corner_
+    Ints node_;    // its parent; in a leaf, the leaf
+    Ints word_;    // the node's first word; in a leaf, the one with the block that the ray is in
     Ints above_lane_;
     Ints least_height_;                                       // where a ray does not stop
     Ints leaf_shift_;                                         // of down_: 8 for x and 16 for y
