@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "octavo/voxelize/leaf_vectors.h"
+
 namespace octavo {
 
 void reduce_level(NodeStore& store, int height, std::vector<CellNode>& cells) {
@@ -29,16 +31,6 @@ void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& ce
         counts.at_height(height) += cells.size();
     }
 }
-
-namespace {
-
-/// How many of a leaf's 2x2x2 children have a voxel: bytes that are not zero.
-int child_count(std::uint64_t leaf) {
-    constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fu;
-    return std::popcount((((leaf & kLow) + kLow) | leaf) & ~kLow);
-}
-
-}  // namespace
 
 // As reduce_upwards(), but for the small tables of a tile: what costs is not memory but branches
 // that go either way, so there are few.
@@ -73,13 +65,9 @@ void reduce_tile(NodeStore& store, const TileOctree& octree, ReduceScratch& scra
 }
 
 void count_cells(const TileOctree& octree, int top, OctreeCounts& counts) {
-    std::uint64_t voxels = 0, children = 0;
-    for (const std::uint64_t leaf : octree.leaves) {
-        voxels += static_cast<unsigned>(std::popcount(leaf));
-        children += static_cast<unsigned>(child_count(leaf));
-    }
-    counts.voxels += voxels;
-    counts.cells[0] += children;
+    const LeafCounts leaves = count_leaves(octree.leaves);
+    counts.voxels += leaves.voxels;
+    counts.cells[0] += leaves.children;
     for (int height = 0; height <= top; ++height) counts.at_height(height) += octree.count(height);
 }
 

@@ -4,6 +4,8 @@
 #include <bit>
 #include <utility>
 
+#include "octavo/voxelize/leaf_vectors.h"
+
 namespace octavo {
 namespace {
 
@@ -95,13 +97,9 @@ void TileBitmap::take(TileOctree& octree) {
     std::size_t count = 0;
     for (const std::uint32_t window : taking.windows)
         count += static_cast<unsigned>(std::popcount(blocks_set_[window]));
+    octree.leaves.resize(count + kTakeSlack);
+    take_leaves(taking.windows, blocks_.data(), blocks_set_.data(), octree.leaves.data());
     octree.leaves.resize(count);
-    std::uint64_t* leaf = octree.leaves.data();
-    for (const std::uint32_t window : taking.windows) {
-        std::uint64_t* blocks = blocks_.data() + std::size_t{window} * 64;
-        for_each_bit(std::exchange(blocks_set_[window], 0),
-                     [&](unsigned bit) { *leaf++ = std::exchange(blocks[bit], 0); });
-    }
 }
 
 }  // namespace octavo
