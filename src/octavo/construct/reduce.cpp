@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
+#include <vector>
 
 #include "octavo/voxelize/leaf_vectors.h"
 
@@ -32,35 +34,91 @@ void reduce_upwards(NodeStore& store, int from_height, std::vector<CellNode>& ce
     }
 }
 
+namespace {
+
+/// Leaves to their ids.
+class LeafReducer {
+public:
+    LeafReducer(UniqueNodes& leaves, ReduceScratch& scratch) : leaves_(leaves), scratch_(scratch) {
+        scratch.recent_leaves.fill(0);  // no leaf is 0
+    }
+
+    [[nodiscard]] std::uint32_t id_of(std::uint64_t leaf) {
+        const std::uint64_t hash = UniqueNodes::hash_leaf(leaf);
+        const std::size_t place = hash % ReduceScratch::kRecent;
+        if (scratch_.recent_leaves[place] != leaf) {
+            scratch_.recent_leaves[place] = leaf;
+            scratch_.recent_ids[place] = leaves_.add_leaf(leaf, hash);
+        }
+        return scratch_.recent_ids[place];
+    }
+
+private:
+    UniqueNodes& leaves_;
+    ReduceScratch& scratch_;
+};
+
+/// Finds the nodes of height 1 by their leaves, as long as that is worth it.
+///
+/// @param nodes  their ids, in order
+/// @return       how many of them are found
+std::size_t find_parents(UniqueNodes& parents, LeafReducer& reducer, RecentParents& recent,
+                         const TileOctree& octree, std::uint32_t* nodes) {
+    const std::vector<std::uint8_t>& masks = octree.child_masks(1);
+    const std::uint64_t* leaves = octree.leaves.data();
+    const std::uint64_t* const end = leaves + octree.leaves.size();
+    recent.clear();
+    std::size_t i = 0;
+    for (; i < masks.size() && recent.worth_asking(); ++i) {
+        const std::uint32_t mask = masks[i];
+        const int count = std::popcount(mask);
+        const auto add = [&] {
+            std::uint32_t ids[8] = {};
+            for (int k = 0; k < count; ++k) ids[k] = reducer.id_of(leaves[k]);
+            return parents.add_interior(mask, ids);
+        };
+        nodes[i] = count <= Siblings::kMost && end - leaves >= Siblings::kMost
+                       ? recent.find(mask, Siblings::first_of(leaves, count), add)
+                       : add();
+        leaves += count;
+    }
+    return i;
+}
+
+/// Puts nodes in place of their children, from this one on.
+void reduce_children(UniqueNodes& level, std::span<const std::uint8_t> masks,
+                     const std::uint32_t* children, std::uint32_t* nodes) {
+    for (const std::uint32_t mask : masks) {
+        const int size = std::popcount(mask);
+        *nodes++ = level.add_interior(mask, children);
+        children += size;
+    }
+}
+
+}  // namespace
+
 // As reduce_upwards(), but for the small tables of a tile: what costs is not memory but branches
 // that go either way, so there are few.
 void reduce_tile(NodeStore& store, const TileOctree& octree, ReduceScratch& scratch) {
     // Children are read eight at a time.
     if (scratch.nodes.size() < octree.leaves.size() + 8)
         scratch.nodes.resize(octree.leaves.size() + 8);
-    std::uint32_t* nodes = scratch.nodes.data();
 
-    UniqueNodes& leaves = store.level(0);
-    scratch.recent_leaves.fill(0);  // no leaf is 0
-    for (const std::uint64_t leaf : octree.leaves) {
-        const std::uint64_t hash = UniqueNodes::hash_leaf(leaf);
-        const std::size_t place = hash % ReduceScratch::kRecent;
-        if (scratch.recent_leaves[place] != leaf) {
-            scratch.recent_leaves[place] = leaf;
-            scratch.recent_ids[place] = leaves.add_leaf(leaf, hash);
-        }
-        *nodes++ = scratch.recent_ids[place];
+    std::uint32_t* const nodes = scratch.nodes.data();
+
+    LeafReducer reducer(store.level(0), scratch);
+    std::size_t parents = 0, leaves = 0;  // done
+    if (store.top() > 0) {
+        parents = find_parents(store.level(1), reducer, scratch.recent_parents, octree, nodes);
+        for (std::size_t i = 0; i < parents; ++i)
+            leaves += static_cast<unsigned>(std::popcount(octree.child_masks(1)[i]));
     }
-
+    for (std::size_t i = leaves; i < octree.leaves.size(); ++i)
+        nodes[i] = reducer.id_of(octree.leaves[i]);
     for (int height = 1; height <= store.top(); ++height) {
-        UniqueNodes& level = store.level(height);
-        nodes = scratch.nodes.data();
-        const std::uint32_t* children = nodes;
-        for (const std::uint32_t mask : octree.child_masks(height)) {
-            const int size = std::popcount(mask);
-            *nodes++ = level.add_interior(mask, children);
-            children += size;
-        }
+        const std::size_t done = height == 1 ? parents : 0;
+        reduce_children(store.level(height), std::span(octree.child_masks(height)).subspan(done),
+                        nodes + (height == 1 ? leaves : 0), nodes + done);
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include "octavo/construct/node_store.h"
 #include "octavo/construct/octree_counts.h"
+#include "octavo/construct/recent_parents.h"
 #include "octavo/voxelize/voxel_source.h"
 
 namespace octavo {
@@ -35,6 +36,7 @@ struct ReduceScratch {
     static constexpr std::size_t kRecent = 1024;
     std::array<std::uint64_t, kRecent> recent_leaves;
     std::array<std::uint32_t, kRecent> recent_ids;
+    RecentParents recent_parents;
 };
 
 /// Adds a tile that is not empty to an empty store, and reduces it up to the store's top, level by
