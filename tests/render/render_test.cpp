@@ -236,7 +236,7 @@ TEST(Render, LampsWithAnAreaGiveTheLightOfTheirIntegral) {
             double sum = 0.0;
             const int n = 400;
             for (int i = 0; i < n * n; ++i) {
-                const dvec2 square(i % n, i / n);
+                const ivec2 square(i % n, i / n);
                 const double a = (square.x + 0.5) / n * 2 - 1, b = (square.y + 0.5) / n * 2 - 1;
                 if (round && a * a + b * b > 1.0) continue;
                 const dvec3 way = rectangle.position +
