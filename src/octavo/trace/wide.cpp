@@ -181,12 +181,12 @@ bool in_lanes(const Dag& dag, const shared::Stop& stop, WideWalk walk) {
            dag.words().size() < (1u << 31);
 }
 
-/// Measured with 2 MB of cache for each core: 2 MB were faster as near, 4 MB hardly so, and 12 to
-/// 386 MB faster as far.
-bool far_nodes(const Dag& dag, WideWalk walk) {
-    constexpr std::uint64_t kNearBytes = std::uint64_t{8} << 20;
-    return walk == WideWalk::by_size ? dag.size_bytes() > kNearBytes : walk == WideWalk::far_nodes;
+/// Whether a DAG is walked as far: measured with 2 MB of cache for each core, see docs/adr/0051.
+bool far_nodes(const Dag& dag, WideWalk walk, std::uint64_t near_bytes) {
+    return walk == WideWalk::by_size ? dag.size_bytes() > near_bytes : walk == WideWalk::far_nodes;
 }
+constexpr std::uint64_t kNearToClosest = std::uint64_t{8} << 20;
+constexpr std::uint64_t kNearToAny = std::uint64_t{20} << 20;
 
 /// Vectors and the shared text choose differently between a number and what is none.
 bool is_finite(const shared::Bundle& beam) {
@@ -226,7 +226,7 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
         return;
     }
     HWY_DYNAMIC_DISPATCH(TraceClosest)
-    (view, far_nodes(dag, walk), rays, stop, hits.first(rays.size()));
+    (view, far_nodes(dag, walk, kNearToClosest), rays, stop, hits.first(rays.size()));
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
@@ -242,7 +242,7 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
     if (dag.empty() || rays.empty()) return;
     if (partitions != nullptr && partitions->height() == 0) partitions = nullptr;
     HWY_DYNAMIC_DISPATCH(TraceAny)
-    (view, far_nodes(dag, walk), partitions, rays, stop, occluded.data());
+    (view, far_nodes(dag, walk, kNearToAny), partitions, rays, stop, occluded.data());
 }
 
 }  // namespace octavo
