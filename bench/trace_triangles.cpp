@@ -134,8 +134,10 @@ public:
             surface.normal = glm::normalize(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z));
             if (glm::dot(surface.normal, direction) > 0.0f) surface.normal = -surface.normal;
             const SurfaceSample sample = look(ray.hit.primID, surface.position);
-            if (sample.opacity >= 32768) {
-                surface.albedo = vec3(sample.color[0], sample.color[1], sample.color[2]) / 65535.0f;
+            if (sample.tint.opacity >= 32768) {
+                surface.albedo =
+                    vec3(sample.tint.color[0], sample.tint.color[1], sample.tint.color[2]) /
+                    65535.0f;
                 surface.emission = emission(sample);
                 return surface;
             }
