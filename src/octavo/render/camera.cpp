@@ -59,7 +59,8 @@ PixelRays::PixelRays(const Camera& camera, const Grid& grid, int width, int heig
         const dvec3 to_corner = 0.5 * pitch_ * (double(height) * up - double(width) * right);
         sees_nothing_ = !(glm::length(start + t_before * to_corner - 0.5 * side) < kFarthest);
     }
-    // Whole numbers need not hold where such a camera is, and of its rays only the directions count.
+    // Whole numbers need not hold where such a camera is, and of its rays only the directions
+    // count.
     if (sees_nothing_) {
         start = dvec3(0.0);
         t_before = 0.0;
