@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "octavo/mesh/confined_path.h"
+#include "octavo/mesh/text_cursor.h"
 
 namespace octavo::gltf {
 namespace {
@@ -150,7 +151,7 @@ Document::Document(const FileBytes& bytes, std::uint64_t max_bytes)
             at = first + size;
         }
     }
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // a byte order mark
+    text = without_byte_order_mark(text);
     try {
         root_ = json::parse(text.begin(), text.end());
     } catch (const json::parse_error& error) {

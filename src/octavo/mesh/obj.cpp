@@ -34,14 +34,11 @@ public:
     explicit ObjReader(LineReader& lines) : lines_(lines) {}
 
     Scene read() {
-        constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
         std::string_view line;
         for (bool first = true; lines_.next(line); first = false) {
             while (goes_on(line))
                 if (!lines_.extend(line)) break;
-            if (first && line.starts_with(kByteOrderMark))
-                line.remove_prefix(kByteOrderMark.size());
-            read_line(line);
+            read_line(first ? without_byte_order_mark(line) : line);
         }
         resolve_materials();
         resolve_texture_coordinates();

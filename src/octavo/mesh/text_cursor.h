@@ -12,6 +12,12 @@
 
 namespace octavo {
 
+/// The text without the UTF-8 byte order mark that some editors put in front of it.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 /// Walks through text, number by number and word by word. Nothing is copied; `at` is always inside
 /// the text or at its end, so an error can tell the byte.
 struct TextCursor {
