@@ -137,6 +137,10 @@ std::uint32_t NodeStore::merge_root(const NodeStore& part) {
     return last_id;
 }
 
+void NodeStore::take(NodeStore& other) {
+    for (int h = 0; h <= top(); ++h) level(h).take(other.level(h));
+}
+
 void NodeStore::clear() {
     for (UniqueNodes& level : levels_) level.clear();
 }

@@ -34,6 +34,10 @@ public:
     /// @return  the id here of the single node that `part` has at its top
     std::uint32_t merge_root(const NodeStore& part);
 
+    /// Takes the nodes of a store of the same height in place of its own: to be merged from, not to
+    /// be added to. The other one is left empty and keeps its tables.
+    void take(NodeStore& other);
+
     /// Forgets all nodes, keeps the memory.
     void clear();
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "octavo/construct/node_store.h"
 #include "octavo/construct/octree_counts.h"
@@ -13,7 +12,7 @@
 
 namespace octavo {
 
-/// One tile on its way through the pipeline: its own small DAG, and room to make it in.
+/// One tile that waits to be merged: its own small DAG, without the tables that found its nodes.
 struct TilePart {
     explicit TilePart(int top) : store(top) {}
 
@@ -21,8 +20,6 @@ struct TilePart {
     std::size_t index = 0;  // into the source's tiles
     bool empty = false;
     OctreeCounts counts;
-    TileOctree octree;
-    ReduceScratch scratch;
 };
 
 /// Voxelizes and reduces tiles, as many at once as the calling oneTBB arena has threads, and hands

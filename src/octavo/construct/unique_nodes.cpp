@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace octavo {
 namespace {
@@ -53,6 +54,12 @@ void UniqueNodes::assign(std::span<const std::uint32_t> nodes) {
         words_.append(&nodes[i], size);
         i += static_cast<unsigned>(size);
     }
+}
+
+void UniqueNodes::take(UniqueNodes& other) {
+    std::swap(words_, other.words_);
+    count_ = other.count_;
+    other.clear();
 }
 
 void UniqueNodes::clear() {

@@ -121,6 +121,10 @@ public:
     /// They are there to be read; before more are added, clear().
     void assign(std::span<const std::uint32_t> nodes);
 
+    /// The same with the nodes of another level of this kind, which is left empty, to be added to.
+    /// Nothing is copied: it gets the room of the nodes that were here.
+    void take(UniqueNodes& other);
+
     [[nodiscard]] std::uint64_t hash(const std::uint32_t* node) const {
         return kind_ == Kind::leaves ? hash_leaf(voxels_of(node))
                                      : hash_interior(node[0], children_of(node));
