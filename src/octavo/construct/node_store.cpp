@@ -2,34 +2,77 @@
 // Source: [K13] section 3, "each subtree is reduced to a DAG before we insert it into the top".
 #include "octavo/construct/node_store.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace octavo {
 
 namespace {
 
-/// Copies a level's nodes and moves their pointers on to where the next level begins. What has been
-/// copied is given back on the way, so that the DAG is not held twice.
-/// @param out  with room for a node after the last one, which is overwritten
-void copy_interior(UniqueNodes& nodes, std::uint32_t children_begin, std::uint32_t* out) {
-    constexpr std::uint64_t kDiscardEvery = 1 << 22;
-    const std::span<const std::uint32_t> from = nodes.words();
-    std::uint64_t next_discard = kDiscardEvery;
-    for (std::uint64_t i = 0; i < from.size();) {
-        const std::uint32_t* node = from.data() + i;  // with slack after the last one
-        out[0] = node[0];
-        for (int k = 1; k < kMaxNodeWords; ++k) out[k] = node[k] + children_begin;
-        const auto size = static_cast<unsigned>(nodes.size_of(node));
-        out += size;
-        i += size;
-        if (i >= next_discard) {
-            nodes.discard_before(i);
-            next_discard = i + kDiscardEvery;
-        }
+// What has been copied is given back after so many words, so that the DAG is not held twice.
+constexpr std::uint64_t kDiscardEvery = 1 << 22;
+
+/// Copies nodes and moves their pointers on to where the next level begins.
+/// @param nodes  with slack after the last one
+void copy_interior(std::span<const std::uint32_t> nodes, std::uint32_t children_begin,
+                   std::uint32_t* out) {
+    std::size_t i = 0;
+    while (i + kMaxNodeWords <= nodes.size()) {
+        const std::uint32_t* node = nodes.data() + i;
+        out[i] = node[0];
+        // Always eight, without a branch; the next node overwrites what is too much.
+        for (int k = 1; k < kMaxNodeWords; ++k) out[i + k] = node[k] + children_begin;
+        i += static_cast<unsigned>(node_words(node[0]));
     }
+    while (i < nodes.size()) {  // after the last one there may be what another thread has copied
+        const std::uint32_t* node = nodes.data() + i;
+        const int size = node_words(node[0]);
+        out[i] = node[0];
+        for (int k = 1; k < size; ++k) out[i + k] = node[k] + children_begin;
+        i += static_cast<unsigned>(size);
+    }
+}
+
+/// Where to cut a level for the threads: its begin, its end, and nodes between them.
+std::vector<std::uint64_t> cuts_of(const UniqueNodes& nodes, bool leaves) {
+    const std::uint64_t size = nodes.words().size();
+    std::vector<std::uint64_t> cuts = {0};
+    if (leaves) {
+        constexpr std::uint64_t kPiece = kLeafWords * UniqueNodes::kPieceNodes;
+        while (size - cuts.back() > kPiece) cuts.push_back(cuts.back() + kPiece);
+    } else {
+        cuts.insert(cuts.end(), nodes.cuts().begin(), nodes.cuts().end());
+    }
+    if (cuts.back() != size) cuts.push_back(size);
+    return cuts;
+}
+
+/// Copies a level to where it belongs in the DAG, by all threads, and gives its memory back.
+/// @param children_begin  where the next level begins; none: these are leaves
+void move_level(UniqueNodes& nodes, std::optional<std::uint32_t> children_begin,
+                std::uint32_t* out) {
+    const std::vector<std::uint64_t> cuts = cuts_of(nodes, !children_begin);
+    for (std::size_t first = 0; first + 1 < cuts.size();) {
+        std::size_t last = first + 1;
+        while (last + 1 < cuts.size() && cuts[last] - cuts[first] < kDiscardEvery) ++last;
+        tbb::parallel_for(first, last, [&](std::size_t piece) {
+            const std::span from =
+                nodes.words().subspan(cuts[piece], cuts[piece + 1] - cuts[piece]);
+            if (children_begin) {
+                copy_interior(from, *children_begin, out + cuts[piece]);
+            } else {
+                std::ranges::copy(from, out + cuts[piece]);
+            }
+        });
+        nodes.discard_before(cuts[last]);
+        first = last;
+    }
+    nodes.reset();
 }
 
 }  // namespace
@@ -171,17 +214,13 @@ Dag NodeStore::freeze(int depth) && {
     std::vector<std::uint64_t> begins = level_begins(level_words, limits_);
     const std::uint64_t total = begins.back();
 
-    const auto words = std::make_shared<HugeVector<std::uint32_t>>(total + kMaxNodeWords);
+    const auto words = std::make_shared<HugeVector<std::uint32_t>>(total);
     for (int l = 0; l < depth - 1; ++l) {
-        UniqueNodes& nodes = level(depth - 2 - l);
-        std::uint32_t* out = words->data() + begins[static_cast<unsigned>(l)];
-        if (l == depth - 2) {
-            std::ranges::copy(nodes.words(), out);
-        } else {
-            copy_interior(nodes, static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]),
-                          out);
-        }
-        nodes.reset();
+        std::optional<std::uint32_t> children_begin;
+        if (l < depth - 2)
+            children_begin = static_cast<std::uint32_t>(begins[static_cast<unsigned>(l) + 1]);
+        move_level(level(depth - 2 - l), children_begin,
+                   words->data() + begins[static_cast<unsigned>(l)]);
     }
     return Dag(depth, std::move(begins), std::span(words->data(), total), words);
 }

@@ -32,8 +32,16 @@ std::uint32_t UniqueNodes::take_appended(int size, Bucket& bucket, std::uint8_t 
     limits_.check_level(id + static_cast<unsigned>(size));
     words_.commit(size);
     bucket.put(static_cast<std::uint32_t>(id), tag);
-    if (++count_ > buckets_.size() * kNodesOfBucket) grow_table();
+    if (++count_ >= next_stop_) stop();
     return static_cast<std::uint32_t>(id);
+}
+
+// Both things that are to be done from time to time, so that a node that is added asks once.
+void UniqueNodes::stop() {
+    if (count_ % kPieceNodes == 0) cuts_.push_back(static_cast<std::uint32_t>(words_.size()));
+    if (count_ > buckets_.size() * kNodesOfBucket) grow_table();
+    next_stop_ =
+        std::min(buckets_.size() * kNodesOfBucket + 1, (count_ / kPieceNodes + 1) * kPieceNodes);
 }
 
 bool UniqueNodes::extend(std::span<const std::uint32_t> nodes) {
@@ -58,6 +66,7 @@ void UniqueNodes::assign(std::span<const std::uint32_t> nodes) {
 
 void UniqueNodes::take(UniqueNodes& other) {
     std::swap(words_, other.words_);
+    std::swap(cuts_, other.cuts_);
     count_ = other.count_;
     other.clear();
 }
@@ -65,7 +74,8 @@ void UniqueNodes::take(UniqueNodes& other) {
 void UniqueNodes::clear() {
     words_.clear();
     std::fill(buckets_.begin(), buckets_.end(), Bucket{});
-    count_ = 0;
+    count_ = next_stop_ = 0;
+    cuts_.clear();
 }
 
 void UniqueNodes::grow_table() {

@@ -163,6 +163,11 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> words() const { return words_.words(); }
     [[nodiscard]] std::uint64_t count() const { return count_; }
 
+    /// Ids at which the words can be cut, so that many threads can go through the nodes: one for
+    /// every kPieceNodes of those that were added.
+    [[nodiscard]] std::span<const std::uint32_t> cuts() const { return cuts_; }
+    static constexpr std::uint64_t kPieceNodes = 1 << 15;
+
     /// Memory that nodes and table take.
     [[nodiscard]] std::uint64_t memory_bytes() const {
         return words_.size() * sizeof(std::uint32_t) + buckets_.size() * sizeof(Bucket);
@@ -262,6 +267,7 @@ private:
                                   Bucket& bucket, std::uint8_t tag);
     std::uint32_t take_appended(int size, Bucket& bucket, std::uint8_t tag);
     void grow_table();
+    void stop();
 
     Kind kind_;
     WordLimits limits_;
@@ -269,6 +275,8 @@ private:
     // What finds its bucket full goes to the next.
     std::vector<Bucket, HugePageAllocator<Bucket>> buckets_;
     std::uint64_t count_ = 0;
+    std::uint64_t next_stop_ = 0;  // how many nodes there will be when stop() has something to do
+    std::vector<std::uint32_t> cuts_;
 };
 
 }  // namespace octavo
