@@ -177,7 +177,7 @@ std::string estimate_json(const Estimate& estimate) {
 }
 
 /// Says what a long build will take, and refuses one that the cap cannot hold.
-void announce_estimate(const Scene& scene, const BuildArguments& arguments, ProgressMeter& meter) {
+void announce_estimate(const Scene& scene, BuildArguments& arguments, ProgressMeter& meter) {
     constexpr int kLongDepth = 13;  // a build that takes seconds needs no forecast
     const BuildOptions& options = arguments.options;
     const std::uint64_t cap = options.max_memory_bytes;
@@ -197,6 +197,7 @@ void announce_estimate(const Scene& scene, const BuildArguments& arguments, Prog
         fmt::print(stderr, "{}\n",
                    arguments.json ? estimate_json(estimate) : estimate_text(estimate, cap));
     require_memory(estimate, cap);
+    arguments.options.expected_nodes = estimate.level_nodes;
 }
 
 std::filesystem::path scratch_of(const BuildArguments& arguments) {

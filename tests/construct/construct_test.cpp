@@ -132,6 +132,21 @@ TEST(Build, GivesTheSameWordsForEveryTileAndThreadCount) {
         }
 }
 
+TEST(Build, GivesTheSameWordsWhateverIsExpected) {
+    const Scene scene = random_scene(9, 300);
+    BuildOptions options = at_depth(7);
+    const Dag expected = build(scene, options).dag;
+    const std::uint64_t many = 3'000'000;
+    const std::vector<std::uint64_t> right = {1, 8, 60, 400, 3000, 9000};
+    for (const auto& nodes : {right,
+                              {many},
+                              {many, many, many, many, many, many, many, many, many},
+                              std::vector<std::uint64_t>(6, 0)}) {
+        options.expected_nodes = nodes;
+        EXPECT_TRUE(same_dag(build(scene, options).dag, expected));
+    }
+}
+
 TEST(Build, DoesNotDependOnTheOrderOfTriangles) {
     Scene scene = random_scene(12, 200);
     const BuildResult expected = build(scene, at_depth(8));

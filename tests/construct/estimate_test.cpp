@@ -23,10 +23,18 @@ TEST(Estimate, IsWithinAQuarterForTheBuiltInScenes) {
         BuildOptions options;
         options.depth = depth;
         const Estimate estimate = estimate_build(scene, options);
-        const auto truth = static_cast<double>(build(scene, options).dag.size_bytes());
+        const BuildResult built = build(scene, options);
+        const auto truth = static_cast<double>(built.dag.size_bytes());
         const double ratio = static_cast<double>(estimate.dag_bytes) / truth;
         EXPECT_GT(ratio, 0.8) << name;
         EXPECT_LT(ratio, 1.25) << name;
+        // Tables begin as large as these say: within a factor of two where it matters.
+        for (std::size_t l = 0; l < estimate.level_nodes.size(); ++l) {
+            const auto nodes = static_cast<double>(built.statistics.levels[l].dag_nodes);
+            if (nodes < 10'000) continue;
+            EXPECT_GT(static_cast<double>(estimate.level_nodes[l]), 0.5 * nodes) << name << l;
+            EXPECT_LT(static_cast<double>(estimate.level_nodes[l]), 2.0 * nodes) << name << l;
+        }
     }
 }
 
@@ -34,7 +42,10 @@ TEST(Estimate, OfASmallGridIsTheBuildItself) {
     const Scene scene = test::random_scene(3, 50);
     BuildOptions options;
     options.depth = 5;
-    EXPECT_EQ(estimate_build(scene, options).dag_bytes, build(scene, options).dag.size_bytes());
+    const Estimate estimate = estimate_build(scene, options);
+    const BuildResult built = build(scene, options);
+    EXPECT_EQ(estimate.dag_bytes, built.dag.size_bytes());
+    EXPECT_EQ(estimate.level_nodes.back(), built.statistics.levels[3].dag_nodes);
 }
 
 TEST(Estimate, AnEmptyGridTakesNothingMuch) {
@@ -47,6 +58,7 @@ TEST(RequireMemory, RefusalNamesTheCapAndTheResolutionThatWouldDo) {
     const Estimate estimate{.depth = 16,
                             .seconds = 10,
                             .dag_bytes = std::uint64_t{8000} << 20,
+                            .level_nodes = {},
                             .peak_bytes = std::uint64_t{13000} << 20,
                             .least_bytes = std::uint64_t{900} << 20,
                             .growth = 4.0};

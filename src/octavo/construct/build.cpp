@@ -148,6 +148,7 @@ BuildResult build_from(const Scene& scene, Scene* disposable, const BuildOptions
         Constructed constructed = construct(*sorted.source, plan.grid.depth,
                                             {.max_memory_bytes = options.max_memory_bytes,
                                              .max_store_bytes = options.spill.node_bytes,
+                                             .expected_nodes = options.expected_nodes,
                                              .reduce = options.reduce,
                                              .progress = options.progress,
                                              .journal_interval = options.journal_interval},

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "octavo/construct/reduce.h"
 #include "octavo/core/grid.h"
@@ -24,7 +25,11 @@ struct BuildOptions {
     int threads = 0;                     // 0: all
     std::uint32_t tile = 0;              // voxels along a tile, a power of two; 0: chosen
     std::uint64_t max_memory_bytes = 0;  // for the whole process; 0: no cap
-    ReduceFunction reduce;               // of tiles, say cuda::make_reducer(); none: on the CPU
+    /// How many nodes each level of the DAG may come to have, the root's first, as
+    /// Estimate::level_nodes has them: tables begin as large and need not grow. Only a matter of
+    /// speed; not used under a cap. Empty: nobody knows.
+    std::vector<std::uint64_t> expected_nodes;
+    ReduceFunction reduce;  // of tiles, say cuda::make_reducer(); none: on the CPU
     ProgressFunction progress;
 
     /// A folder that the build makes for what it has done and for what the cap leaves no room for,

@@ -39,7 +39,11 @@ public:
           options_(options),
           limits_{options.max_memory_bytes, options.max_store_bytes, options.words},
           scratch_(scratch),
-          builder_(source, depth, scratch, limits_, options.journal_interval) {}
+          builder_(source, depth, scratch, limits_, options.journal_interval) {
+        // Under a cap a store may never come to hold them all.
+        if (options.max_memory_bytes == 0 && options.max_store_bytes == 0)
+            builder_.store().expect(options.expected_nodes);
+    }
 
     void merge_all_tiles() {
         done_ = scratch_.take_parts();

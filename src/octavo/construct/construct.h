@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <vector>
 
 #include "octavo/construct/reduce.h"
 #include "octavo/construct/scratch.h"
@@ -14,10 +15,11 @@
 namespace octavo {
 
 struct ConstructOptions {
-    std::uint64_t max_memory_bytes = 0;  // resident, of the whole process; 0: no cap
-    std::uint64_t max_store_bytes = 0;   // of nodes held at once; 0: what the cap leaves
-    ReduceFunction reduce;               // of tiles; none: reduce_tile()
-    ProgressFunction progress;           // phases "voxelize" in tiles, "merge", "freeze" in words
+    std::uint64_t max_memory_bytes = 0;         // resident, of the whole process; 0: no cap
+    std::uint64_t max_store_bytes = 0;          // of nodes held at once; 0: what the cap leaves
+    std::vector<std::uint64_t> expected_nodes;  // see BuildOptions
+    ReduceFunction reduce;                      // of tiles; none: reduce_tile()
+    ProgressFunction progress;  // phases "voxelize" in tiles, "merge", "freeze" in words
 
     std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
     WordLimits words = {};

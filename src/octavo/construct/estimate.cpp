@@ -68,6 +68,7 @@ struct Trial {
     double quarter_bytes = 1.0;  // of a DAG of a quarter of the sample, on average
     double triangles = 0.0;      // sorted
     Statistics statistics;
+    std::vector<double> quarter_nodes;  // of each level, likewise
 };
 
 /// A scratch folder in that of the build, or none, that is gone afterwards, come what may. What a
@@ -146,6 +147,7 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
             PassingScratch scratch(part.scratch, what, plan);
             return construct(SampledTiles(*sorted.source, of), grid.depth,
                              {.max_store_bytes = part.spill.node_bytes,
+                              .expected_nodes = {},
                               .reduce = {},
                               .progress = part.progress,
                               .journal_interval = std::chrono::hours(24 * 365)},
@@ -163,9 +165,15 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
         trial.sort_seconds = std::chrono::duration<double>(is_sorted - start).count();
         trial.tile_seconds = std::chrono::duration<double>(end - is_sorted).count();
         double of_quarters = 0.0;
+        trial.quarter_nodes.resize(trial.statistics.levels.size());
         const char* const quarters[4] = {"0", "1", "2", "3"};
-        for (std::uint64_t i = 0; i < 4; ++i)
-            of_quarters += bytes(build_part(sample.quarter(i), quarters[i]));
+        for (std::uint64_t i = 0; i < 4; ++i) {
+            const Constructed quarter = build_part(sample.quarter(i), quarters[i]);
+            of_quarters += bytes(quarter);
+            for (std::size_t l = 0; l < quarter.statistics.levels.size(); ++l)
+                trial.quarter_nodes[l] +=
+                    static_cast<double>(quarter.statistics.levels[l].dag_nodes) / 4.0;
+        }
         trial.quarter_bytes = std::max(1.0, of_quarters / 4.0);
     });
     return trial;
@@ -181,6 +189,25 @@ double count_cells(const Trial& trial, const TileSample& sample, int depth, int 
         told == depth ? trial.statistics.voxels
                       : trial.statistics.levels[static_cast<unsigned>(told)].svo_nodes);
     return cells * std::pow(4.0, sample.rarity - (told - level));
+}
+
+/// As much again three times, as at twice the resolution: never more than four times the nodes.
+double growth_of(double whole, double quarter) {
+    return std::clamp(whole / std::max(quarter, 1.0), 1.0, 4.0);
+}
+
+/// Of the DAG of the whole grid.
+std::vector<std::uint64_t> level_nodes(const Trial& trial, const TileSample& sample, int depth,
+                                       int tile_depth) {
+    std::vector<std::uint64_t> nodes(static_cast<unsigned>(depth - 1));
+    // Above its tiles a sample tells nothing, and there is little.
+    for (auto l = static_cast<std::size_t>(depth - tile_depth);
+         l < nodes.size() && l < trial.statistics.levels.size(); ++l) {
+        const auto whole = static_cast<double>(trial.statistics.levels[l].dag_nodes);
+        nodes[l] = static_cast<std::uint64_t>(
+            whole * std::pow(growth_of(whole, trial.quarter_nodes[l]), sample.rarity));
+    }
+    return nodes;
 }
 
 double attribute_bytes_per_cell(const AttributeOptions& wanted, const Scene& scene) {
@@ -232,8 +259,8 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     }
     trim_memory();
 
-    // As much again three times, as at twice the resolution: never more than four times the nodes.
-    estimate.growth = std::clamp(trial.dag_bytes / trial.quarter_bytes, 1.0, 4.0);
+    estimate.growth = growth_of(trial.dag_bytes, trial.quarter_bytes);
+    estimate.level_nodes = level_nodes(trial, sample, estimate.depth, tile_depth);
     const double dag_bytes = trial.dag_bytes * std::pow(estimate.growth, sample.rarity);
     estimate.dag_bytes = static_cast<std::uint64_t>(dag_bytes);
     const auto all = static_cast<double>(scene.triangles.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "octavo/attributes/build_attributes.h"
 #include "octavo/construct/build.h"
@@ -14,6 +15,7 @@ struct Estimate {
     int depth = 0;
     double seconds = 0.0;
     std::uint64_t dag_bytes = 0;
+    std::vector<std::uint64_t> level_nodes;  // of the DAG, the root's first; those of few are 0
     std::uint64_t attribute_bytes = 0;
     std::uint64_t peak_bytes = 0;     // of memory, for the whole process, where there is no cap
     std::uint64_t least_bytes = 0;    // the least cap that spilling can keep

@@ -90,6 +90,12 @@ NodeStore::NodeStore(int top, const WordLimits& limits) : limits_(limits) {
     for (int h = 1; h <= top; ++h) levels_.emplace_back(UniqueNodes::Kind::interior, limits);
 }
 
+void NodeStore::expect(std::span<const std::uint64_t> level_nodes) {
+    const std::size_t heights = std::min(level_nodes.size(), levels_.size());
+    for (std::size_t h = 0; h < heights; ++h)
+        levels_[h].expect(level_nodes[level_nodes.size() - 1 - h]);
+}
+
 // The nodes of a level wait in a ring between being hashed and being added, so that the table's
 // slot and then the node it names arrive from memory meanwhile.
 namespace {

@@ -26,6 +26,10 @@ public:
         return levels_[static_cast<unsigned>(height)];
     }
 
+    /// Says how many nodes each level may come to have, the root's first; see
+    /// UniqueNodes::expect().
+    void expect(std::span<const std::uint64_t> level_nodes);
+
     /// Adds all nodes of a smaller store whose heights this one has too. Afterwards, node `id` of
     /// height h of `part` is node new_id(h, id) here.
     ///

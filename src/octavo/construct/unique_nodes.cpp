@@ -8,11 +8,6 @@
 #include <utility>
 
 namespace octavo {
-namespace {
-
-constexpr std::size_t kFirstBuckets = 16;
-
-}  // namespace
 
 std::uint32_t UniqueNodes::append_leaf(std::uint64_t voxels, Bucket& bucket, std::uint8_t tag) {
     std::memcpy(words_.room(kLeafWords), &voxels, sizeof voxels);
@@ -42,6 +37,12 @@ void UniqueNodes::stop() {
     if (count_ > buckets_.size() * kNodesOfBucket) grow_table();
     next_stop_ =
         std::min(buckets_.size() * kNodesOfBucket + 1, (count_ / kPieceNodes + 1) * kPieceNodes);
+}
+
+void UniqueNodes::expect(std::uint64_t count) {
+    // Somewhat fewer, as an expectation that is a little too high should not double the table.
+    first_buckets_ =
+        std::bit_ceil(std::max<std::uint64_t>(first_buckets_, count / (kNodesOfBucket + 1)));
 }
 
 bool UniqueNodes::extend(std::span<const std::uint32_t> nodes) {
@@ -79,7 +80,7 @@ void UniqueNodes::clear() {
 }
 
 void UniqueNodes::grow_table() {
-    const std::size_t bucket_count = buckets_.empty() ? kFirstBuckets : 2 * buckets_.size();
+    const std::size_t bucket_count = buckets_.empty() ? first_buckets_ : 2 * buckets_.size();
     buckets_ = {};  // first, so that the old table and the new one are never held together
     buckets_.resize(bucket_count);
 

@@ -168,6 +168,10 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> cuts() const { return cuts_; }
     static constexpr std::uint64_t kPieceNodes = 1 << 15;
 
+    /// Says how many nodes there may come to be, before there are any: the table begins large
+    /// enough for nearly so many, so that it need not grow.
+    void expect(std::uint64_t count);
+
     /// Memory that nodes and table take.
     [[nodiscard]] std::uint64_t memory_bytes() const {
         return words_.size() * sizeof(std::uint32_t) + buckets_.size() * sizeof(Bucket);
@@ -273,7 +277,8 @@ private:
     WordLimits limits_;
     WordArray words_;
     // What finds its bucket full goes to the next.
-    std::vector<Bucket, HugePageAllocator<Bucket>> buckets_;
+    std::vector<Bucket, ZeroedHugePageAllocator<Bucket>> buckets_;
+    std::size_t first_buckets_ = 16;
     std::uint64_t count_ = 0;
     std::uint64_t next_stop_ = 0;  // how many nodes there will be when stop() has something to do
     std::vector<std::uint32_t> cuts_;

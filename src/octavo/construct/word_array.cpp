@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "octavo/core/huge_pages.h"
+
 namespace octavo {
 namespace {
 
@@ -19,20 +21,13 @@ constexpr std::uint64_t kLeastMapped = 2 * kHugePage / kWord;
 /// A map that begins at a huge page, with the pages of an old one, or of none, at its start. Pages
 /// move as they are, small or huge, since both maps begin at a huge page.
 std::uint32_t* remap(std::uint32_t* old, std::uint64_t old_bytes, std::uint64_t bytes) {
-    void* room = mmap(nullptr, bytes + kHugePage, PROT_READ | PROT_WRITE,
-                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (room == MAP_FAILED) throw std::bad_alloc();
-    char* const begin = static_cast<char*>(room);
-    const std::uint64_t before = -reinterpret_cast<std::uintptr_t>(begin) % kHugePage;
-    char* const block = begin + before;
-    if (before != 0) munmap(begin, before);
-    munmap(block + bytes, kHugePage - before);
+    char* const block = static_cast<char*>(map_huge_pages(bytes));
     if (old != nullptr &&
         mremap(old, old_bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, block) == MAP_FAILED) {
         munmap(block, bytes);
         throw std::bad_alloc();
     }
-    // Advice: without it pages are small, and nothing else changes.
+    // What was moved there brought the old map's advice along.
     (void)madvise(block, bytes, MADV_HUGEPAGE);
     return reinterpret_cast<std::uint32_t*>(block);
 }
