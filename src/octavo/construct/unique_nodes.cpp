@@ -40,9 +40,9 @@ void UniqueNodes::stop() {
 }
 
 void UniqueNodes::expect(std::uint64_t count) {
-    // Somewhat fewer, as an expectation that is a little too high should not double the table.
-    first_buckets_ =
-        std::bit_ceil(std::max<std::uint64_t>(first_buckets_, count / (kNodesOfBucket + 1)));
+    // What is expected may be a third too high without doubling a table that need not.
+    const std::uint64_t buckets = count * 3 / 4 / kNodesOfBucket;
+    first_buckets_ = std::bit_ceil(std::max<std::uint64_t>(first_buckets_, buckets));
 }
 
 bool UniqueNodes::extend(std::span<const std::uint32_t> nodes) {
