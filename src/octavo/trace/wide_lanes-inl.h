@@ -78,6 +78,33 @@ HWY_INLINE IntMask has_any(Ints a, Ints b) {
 #endif
 }
 
+/// Where the mask is set, whether some bit is set in both.
+HWY_INLINE IntMask has_any_where(IntMask mask, Ints a, Ints b) {
+#if OCTAVO_WIDE_AVX512
+    return IntMask{_mm512_mask_test_epi32_mask(mask.raw, a.raw, b.raw)};
+#else
+    return hn::And(mask, has_any(a, b));
+#endif
+}
+
+/// Where the mask is set, whether a >= b.
+HWY_INLINE IntMask at_least_where(IntMask mask, Ints a, Ints b) {
+#if OCTAVO_WIDE_AVX512
+    return IntMask{_mm512_mask_cmp_epi32_mask(mask.raw, a.raw, b.raw, _MM_CMPINT_NLT)};
+#else
+    return hn::AndNot(hn::Lt(a, b), mask);
+#endif
+}
+
+/// Where the mask is set, whether a < b.
+HWY_INLINE IntMask less_where(IntMask mask, Floats a, Floats b) {
+#if OCTAVO_WIDE_AVX512
+    return IntMask{_mm512_mask_cmp_ps_mask(mask.raw, a.raw, b.raw, _CMP_LT_OQ)};
+#else
+    return hn::And(mask, hn::RebindMask(IntTag(), hn::Lt(a, b)));
+#endif
+}
+
 /// `other`, but where the mask is set words[at]. Elsewhere `at` is not used.
 HWY_INLINE Ints gather_where(IntMask mask, Ints other, const std::int32_t* words, Ints at) {
 #if OCTAVO_WIDE_AVX512

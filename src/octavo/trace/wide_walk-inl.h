@@ -56,7 +56,7 @@ public:
         above_lane_ = hn::Iota(di, static_cast<std::int32_t>(kLanes));
         least_height_ = hn::Set(di, stop.height + 1);
         leaf_shift_ = down_z_ = hn::Zero(di);
-        live_ = found_ = hn::FirstN(di, 0);
+        live_ = hn::FirstN(di, 0);
         for (std::int32_t& node : stack_) node = 0;
     }
 
@@ -80,16 +80,17 @@ public:
     /// Tells the hits of lanes that have finished.
     template <class Results>
     HWY_INLINE void tell(Results& results) {
-        if (hn::AllFalse(IntTag(), found_)) return;
-        results.add(hit_lanes());
-        found_ = hn::FirstN(IntTag(), 0);
+        const IntMask found = this->found();
+        if (hn::AllFalse(IntTag(), found)) return;
+        results.add(hit_lanes(found));
+        t_ = hn::IfThenElse(hn::RebindMask(FloatTag(), found), t_end_, t_);
     }
 
     HWY_INLINE void step() {
         const FloatTag df;
         const IntTag di;
         const Ints one = hn::Set(di, 1);
-        if constexpr (kPrefetch) read_node();
+        if constexpr (kPrefetch) read_node(node_, height_, corner_[2]);
 
         // Down: the child that the ray is in at time t. On: the cell beyond the nearest far plane.
         const Ints width = hn::Shl(one, height_);
@@ -121,33 +122,32 @@ public:
         const IntMask in_leaf = hn::Lt(height_, hn::Set(di, 2));
         const Ints kids = hn::IfThenElse(in_leaf, leaf_byte(), word_);
         const Ints wanted = hn::IfThenElse(hn::Eq(height_, one), hn::Set(di, 255), child_bit);
-        const IntMask exists = hn::And(live_, has_any(kids, wanted));
-
-        IntMask stops = hn::Lt(height_, least_height_);
-        if constexpr (kCone) stops = hn::Or(stops, stops_by_cone());
-        found_ = hn::Or(found_, hn::And(exists, stops));
-        const IntMask descends = hn::AndNot(stops, exists);
-        const IntMask advances =
-            hn::And(hn::AndNot(exists, live_), hn::RebindMask(di, hn::Lt(exit, t_end_)));
+        const IntMask exists = has_any_where(live_, kids, wanted);
+        const IntMask goes_on = hn::AndNot(exists, live_);
+        IntMask descends = at_least_where(exists, height_, least_height_);
+        if constexpr (kCone) descends = hn::AndNot(stops_by_cone(), descends);
+        const IntMask advances = less_where(goes_on, exit, t_end_);
         live_ = hn::Or(descends, advances);
         count_live_ = hn::CountTrue(di, live_);
 
         const Ints lower = hn::And(word_, hn::Sub(child_bit, one));
         const Ints pointer = hn::Add(node_, count_bits(lower));
-        node_ = gather_where(hn::AndNot(in_leaf, descends), hn::IfThenElse(advances, above, node_),
-                             words_ + 1, pointer);
-        t_ = hn::IfThenElse(hn::RebindMask(df, advances), exit, t_);
-        height_ = hn::IfThenElse(advances, last, subtract_where(descends, height_, one));
+        const Ints node = gather_where(at_least_where(descends, height_, hn::Set(di, 2)),
+                                       hn::IfThenElse(advances, above, node_), words_ + 1, pointer);
+        // A ray that ends here, without a hit, has its time at the end, too: see found().
+        t_ = hn::IfThenElse(hn::RebindMask(df, goes_on), exit, t_);
+        const Ints height = hn::IfThenElse(advances, last, subtract_where(descends, height_, one));
         const Ints down = hn::IfThenElseZero(descends, half);
+        Ints corner[3];
         for (int axis = 0; axis < 3; ++axis)
-            corner_[axis] =
+            corner_[axis] = corner[axis] =
                 and_where(advances, add_where(high[axis], corner_[axis], down), on[axis], align);
+        height_ = height;
+        node_ = node;
+        if constexpr (!kPrefetch) read_node(node, height, corner[2]);
         // It stands at its place already where the ray has gone on.
-        hn::ScatterIndex(node_, di, stack_, stack_place(height_));
-        if constexpr (kPrefetch)
-            prefetch_node();
-        else
-            read_node();
+        hn::ScatterIndex(node, di, stack_, stack_place(height));
+        if constexpr (kPrefetch) prefetch_node();
     }
 
 private:
@@ -176,12 +176,12 @@ private:
         return hn::Shr(word_, shift);
     }
 
-    HWY_INLINE void read_node() {
+    HWY_INLINE void read_node(Ints node, Ints height, Ints corner_z) {
         const IntTag di;
         const Ints two = hn::Set(di, 2);
-        const IntMask in_leaf = hn::Lt(height_, two);
-        const IntMask upper = hn::And(in_leaf, has_any(hn::Xor(corner_[2], down_z_), two));
-        word_ = hn::GatherIndex(di, words_, add_where(upper, node_, hn::Set(di, 1)));
+        const IntMask in_leaf = hn::Lt(height, two);
+        const IntMask upper = has_any_where(in_leaf, hn::Xor(corner_z, down_z_), two);
+        word_ = hn::GatherIndex(di, words_, add_where(upper, node, hn::Set(di, 1)));
     }
     /// A gather that misses the caches holds up all that follows it, and this does not. Two numbers
     /// come in one load: a core has more loads to do here than it has ports for.
@@ -206,8 +206,12 @@ private:
         return time_at(hn::Sub(corner_[axis], cell_[axis]), axis);
     }
 
-    HWY_INLINE HitLanes hit_lanes() const {
-        return {found_,  ray_,  {corner_[0], corner_[1], corner_[2]},
+    /// Lanes that have ended before their ray has: with a hit that has not been told.
+    HWY_INLINE IntMask found() const {
+        return hn::AndNot(live_, hn::RebindMask(IntTag(), hn::Lt(t_, t_end_)));
+    }
+    HWY_INLINE HitLanes hit_lanes(IntMask found) const {
+        return {found,   ray_,  {corner_[0], corner_[1], corner_[2]},
                 height_, down_, {entry(0), entry(1), entry(2)},
                 t_};
     }
@@ -312,7 +316,6 @@ private:
     Ints leaf_shift_;                                         // of down_: 8 for x and 16 for y
     Ints down_z_;                                             // of down_: 2 for z
     IntMask live_;                                            // the lane has a ray on its way
-    IntMask found_;                                           // it has a hit that has not been told
     HWY_ALIGN std::int32_t stack_[(kMaxDepth + 2) * kLanes];  // by height: the nodes on the path
 };
 
