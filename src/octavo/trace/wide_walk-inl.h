@@ -12,6 +12,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "octavo/trace/wide_batch-inl.h"
@@ -132,8 +133,9 @@ public:
 
         const Ints lower = hn::And(word_, hn::Sub(child_bit, one));
         const Ints pointer = hn::Add(node_, count_bits(lower));
-        const Ints node = gather_where(at_least_where(descends, height_, hn::Set(di, 2)),
-                                       hn::IfThenElse(advances, above, node_), words_ + 1, pointer);
+        const IntMask to_node = at_least_where(descends, height_, hn::Set(di, 2));
+        const Ints node =
+            gather_where(to_node, hn::IfThenElse(advances, above, node_), words_ + 1, pointer);
         // A ray that ends here, without a hit, has its time at the end, too: see found().
         t_ = hn::IfThenElse(hn::RebindMask(df, goes_on), exit, t_);
         const Ints height = hn::IfThenElse(advances, last, subtract_where(descends, height_, one));
@@ -147,7 +149,7 @@ public:
         if constexpr (!kPrefetch) read_node(node, height, corner[2]);
         // It stands at its place already where the ray has gone on.
         hn::ScatterIndex(node, di, stack_, stack_place(height));
-        if constexpr (kPrefetch) prefetch_node();
+        if constexpr (kPrefetch) prefetch_nodes(to_node);
     }
 
 private:
@@ -184,14 +186,17 @@ private:
         word_ = hn::GatherIndex(di, words_, add_where(upper, node, hn::Set(di, 1)));
     }
     /// A gather that misses the caches holds up all that follows it, and this does not. Two numbers
-    /// come in one load: a core has more loads to do here than it has ports for.
-    HWY_INLINE void prefetch_node() const {
-        static_assert(kLanes % 2 == 0);
+    /// come in one load: a core has more loads to do here than it has ports for. So it asks for no
+    /// more nodes than go down in nearly every step; those above have just been read.
+    HWY_INLINE void prefetch_nodes(IntMask lanes) const {
+        constexpr std::size_t kMost = std::min<std::size_t>(kLanes, 10);
+        static_assert(kMost % 2 == 0);
+        const IntTag di;
         HWY_ALIGN std::int32_t nodes[kLanes];
-        hn::Store(node_, IntTag(), nodes);
-        for (std::size_t lane = 0; lane < kLanes; lane += 2) {
+        hn::Store(hn::Compress(hn::IfThenElseZero(lanes, node_), lanes), di, nodes);
+        for (std::size_t i = 0; i < kMost; i += 2) {
             std::uint64_t two = 0;
-            std::memcpy(&two, nodes + lane, sizeof two);
+            std::memcpy(&two, nodes + i, sizeof two);
             hwy::Prefetch(words_ + (two & 0xFFFFFFFFu));
             hwy::Prefetch(words_ + (two >> 32));
         }
@@ -281,7 +286,7 @@ private:
         load_ints(batch.height, height_);
         load_ints(batch.node, node_);
         if constexpr (kPrefetch)
-            prefetch_node();
+            prefetch_nodes(take);
         else
             word_ = hn::IfThenElse(take, hn::GatherIndex(di, words_, node_), word_);
         for (int height = batch.top; height <= depth_; ++height)
