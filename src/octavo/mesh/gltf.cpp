@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// glTF 2.0: walks the nodes, in double, and adds what hangs on them to the scene.
-#include <array>
-#include <map>
+// glTF 2.0: walks the nodes, in double; adds cameras and lights, and has meshes added.
 #include <set>
-#include <tuple>
+#include <string>
+#include <vector>
 
-#include "octavo/mesh/color.h"
 #include "octavo/mesh/formats.h"
 #include "octavo/mesh/gltf_document.h"
+#include "octavo/mesh/gltf_geometry.h"
 #include "octavo/mesh/gltf_materials.h"
 
 namespace octavo {
@@ -43,17 +42,15 @@ dvec3 unit(const dvec4& direction, const dvec3& fallback) {
 class SceneReader {
 public:
     SceneReader(const FileBytes& bytes, std::uint64_t max_bytes)
-        : document_(bytes, max_bytes), max_bytes_(max_bytes) {}
+        : document_(bytes, max_bytes), geometry_(document_, scene_, warnings_, max_bytes) {}
 
     Scene read() {
         check_extensions();
-        placements_ = read_materials(document_, scene_);
+        geometry_.place_textures(read_materials(document_, scene_));
         walk_nodes();
-        if (scene_.triangles.empty() && other_primitives_ != 0)
+        const std::size_t points_or_lines = geometry_.finish();
+        if (scene_.triangles.empty() && points_or_lines != 0)
             throw formats::only_points_or_lines(document_.file().file());
-        if (!any_material_) scene_.triangle_materials = {};
-        if (other_primitives_ != 0)
-            warn(std::to_string(other_primitives_) + " sets of points or lines were passed over");
         for (const std::string& warning : warnings_) scene_.warnings.push_back(warning);
         return std::move(scene_);
     }
@@ -130,7 +127,7 @@ private:
             if (child(node, "skin")) warn("skinned meshes are taken in their bind pose");
             if (extension(node, "EXT_mesh_gpu_instancing"))
                 warn("EXT_mesh_gpu_instancing is not known: each such mesh is taken once");
-            add_mesh(document_.object("meshes", *mesh), world);
+            geometry_.add_mesh(document_.object("meshes", *mesh), world);
         }
         if (const auto camera = whole(node, "camera"))
             add_camera(document_.object("cameras", *camera), node, world);
@@ -183,168 +180,10 @@ private:
         scene_.lights.push_back(std::move(light));
     }
 
-    void add_mesh(const json& mesh, const dmat4& world) {
-        // Primitives often share one set of vertices and differ in their triangles only.
-        VertexBases bases;
-        const json* primitives = child(mesh, "primitives");
-        if (!primitives) return;
-        for (const json& primitive : *primitives) add_primitive(primitive, world, bases);
-    }
-
-    /// Position, texture coordinate, emission coordinate and colour accessor, and the material
-    /// where it places its textures in a way of its own.
-    using VertexKey = std::tuple<std::size_t, std::size_t, std::size_t, std::size_t, std::size_t>;
-    using VertexBases = std::map<VertexKey, std::uint32_t>;
-    static constexpr std::size_t kNone = ~std::size_t{0};
-
-    void add_primitive(const json& primitive, const dmat4& world, VertexBases& bases) {
-        enum Mode { kTriangles = 4, kStrip, kFan };
-        const std::size_t mode = whole(primitive, "mode").value_or(kTriangles);
-        if (mode < kTriangles || mode > kFan) {
-            ++other_primitives_;
-            return;
-        }
-        const json* attributes = child(primitive, "attributes");
-        const auto position = attributes ? whole(*attributes, "POSITION") : std::nullopt;
-        if (!position) return warn("primitives without positions were passed over");
-        if (child(primitive, "targets")) warn("morph targets were passed over");
-        if (extension(primitive, "KHR_draco_mesh_compression"))
-            warn("Draco data was passed over for the plain data beside it");
-
-        std::uint32_t material = Scene::kNoMaterial;
-        if (const auto index = whole(primitive, "material")) {
-            if (*index >= scene_.materials.size())
-                throw document_.file().error("material " + std::to_string(*index) +
-                                             " does not exist");
-            material = static_cast<std::uint32_t>(*index);
-            any_material_ = true;
-        }
-        const bool textured = material != Scene::kNoMaterial && !scene_.textures.empty();
-        const MaterialPlacement placement = textured ? placements_[material] : MaterialPlacement{};
-        const auto set_of = [&](const TexturePlacement& placed) {
-            const std::string name = "TEXCOORD_" + std::to_string(placed.set);
-            return whole(*attributes, name.c_str()).value_or(kNone);
-        };
-        const bool as_it_is =
-            placement.base == TexturePlacement{} && placement.emission == TexturePlacement{};
-        const VertexKey key{*position, set_of(placement.base), set_of(placement.emission),
-                            whole(*attributes, "COLOR_0").value_or(kNone),
-                            as_it_is ? kNone : material};
-
-        const Accessor positions = document_.accessor(*position);
-        auto base = bases.find(key);
-        if (base == bases.end())
-            base = bases.emplace(key, add_vertices(positions, key, placement, world)).first;
-
-        std::optional<Accessor> indices;
-        if (const auto index = whole(primitive, "indices")) indices = document_.accessor(*index);
-        const std::size_t count = indices ? indices->count : positions.count;
-        const auto corner = [&](std::size_t i) {
-            const std::uint64_t vertex = indices ? indices->index(i) : i;
-            if (vertex >= positions.count)
-                throw document_.file().error("vertex " + std::to_string(vertex) + " of " +
-                                             std::to_string(positions.count) + " does not exist");
-            return base->second + static_cast<std::uint32_t>(vertex);
-        };
-        take_room(count / 3 * (mode == kTriangles ? 1 : 3), kTriangleBytes);
-        auto& triangles = scene_.triangles;
-        if (mode == kTriangles) {
-            if (count % 3 != 0) warn("a list of triangles has corners left over");
-            triangles.reserve(triangles.size() + count / 3);
-            for (std::size_t i = 0; i + 2 < count; i += 3)
-                triangles.emplace_back(corner(i), corner(i + 1), corner(i + 2));
-        } else {
-            for (std::size_t i = 2; i < count; ++i) {
-                const std::size_t odd = i & 1;  // every other triangle of a strip is turned
-                if (mode == kStrip)
-                    triangles.emplace_back(corner(i - 2 + odd), corner(i - 1 - odd), corner(i));
-                else
-                    triangles.emplace_back(corner(0), corner(i - 1), corner(i));
-            }
-        }
-        if (triangles.size() > 0xffffffffull)
-            throw Error(Errc::limit, document_.file().file(), "has more than 2^32 triangles");
-        scene_.triangle_materials.resize(triangles.size(), material);
-    }
-
-    std::uint32_t add_vertices(const Accessor& positions, const VertexKey& key,
-                               const MaterialPlacement& placement, const dmat4& world) {
-        const std::size_t base = scene_.positions.size();
-        if (positions.components != 3)
-            throw document_.file().error("positions are not three numbers each");
-        if (positions.count > Scene::kNoMaterial - base)
-            throw Error(Errc::limit, document_.file().file(), "has more than 2^32 vertices");
-
-        take_room(positions.count, kVertexBytes);
-        for (std::size_t i = 0; i < positions.count; ++i) {
-            const dvec4 p = positions.real(i);
-            scene_.positions.emplace_back(world * dvec4(p.x, p.y, p.z, 1.0));
-        }
-        const auto [position, texture, emission, color, placed_by] = key;
-        const auto attribute = [&](std::size_t index) {
-            Accessor accessor = document_.accessor(index);
-            if (accessor.count < positions.count)
-                throw document_.file().error("an attribute has fewer elements than its positions");
-            return accessor;
-        };
-        const auto add_coordinates = [&](std::size_t accessor, const TexturePlacement& placed,
-                                         std::vector<vec2>& target) {
-            target.resize(base);
-            if (accessor == kNone) return target.resize(scene_.positions.size());
-            const Accessor source = attribute(accessor);
-            for (std::size_t i = 0; i < positions.count; ++i)
-                target.push_back(placed.apply(glm::dvec2(source.real(i))));
-        };
-        auto& coordinates = scene_.texture_coordinates;
-        auto& of_emission = scene_.emission_coordinates;
-        const bool apart = !(placement.base == placement.emission);
-        const bool any = texture != kNone || (apart && emission != kNone);
-        if (!scene_.textures.empty() && (any || !coordinates.empty()))
-            add_coordinates(texture, placement.base, coordinates);
-        if (!scene_.textures.empty() && apart && emission != kNone) {
-            if (of_emission.empty())
-                of_emission.assign(coordinates.begin(),
-                                   coordinates.begin() + static_cast<std::ptrdiff_t>(base));
-            add_coordinates(emission, placement.emission, of_emission);
-        } else if (!of_emission.empty()) {
-            of_emission.insert(of_emission.end(),
-                               coordinates.begin() + static_cast<std::ptrdiff_t>(base),
-                               coordinates.end());
-        }
-        if (color != kNone) {
-            const Accessor source = attribute(color);
-            scene_.colors.resize(base, kWhite);
-            for (std::size_t i = 0; i < positions.count; ++i) {
-                const dvec4 c = source.real(i);
-                scene_.colors.push_back({unit_to_byte(c.x), unit_to_byte(c.y), unit_to_byte(c.z),
-                                         source.components == 4 ? unit_to_byte(c.w) : kWhite[3]});
-            }
-        } else if (!scene_.colors.empty()) {
-            scene_.colors.resize(scene_.positions.size(), kWhite);
-        }
-        return static_cast<std::uint32_t>(base);
-    }
-
-    static constexpr std::uint64_t kVertexBytes = sizeof(dvec3) + 2 * sizeof(vec2) + 4;
-    static constexpr std::uint64_t kTriangleBytes = sizeof(uvec3) + sizeof(std::uint32_t);
-
-    /// Nodes may use one mesh any number of times, so a short file can describe any size.
-    void take_room(std::uint64_t elements, std::uint64_t bytes_each) {
-        bytes_ += elements * bytes_each;  // a step is below 2^40: no sum passes 2^64
-        if (bytes_ > max_bytes_)
-            throw Error(
-                Errc::limit, document_.file().file(),
-                "with all instances, takes more than " + std::to_string(max_bytes_) + " bytes");
-    }
-
     Document document_;
-    std::uint64_t max_bytes_;
-    std::uint64_t bytes_ = 0;
     Scene scene_;
-    std::vector<MaterialPlacement> placements_;
     std::set<std::string> warnings_;
-    std::size_t other_primitives_ = 0;
-    bool any_material_ = false;
+    GeometryReader geometry_;
 };
 
 /// The library's words without the number that it puts before them.

@@ -4,7 +4,6 @@
 // tinygltf follows offsets from the file without checking them, and reads whatever a URI names.
 #include "octavo/mesh/gltf_document.h"
 
-#include <cmath>
 #include <cstring>
 
 #include "octavo/mesh/confined_path.h"
@@ -12,24 +11,6 @@
 
 namespace octavo::gltf {
 namespace {
-
-enum ComponentType { kI8 = 5120, kU8, kI16, kU16, kU32 = 5125, kF32 = 5126 };
-
-std::size_t component_size(int type) {
-    switch (type) {
-        case kI8:
-        case kU8:
-            return 1;
-        case kI16:
-        case kU16:
-            return 2;
-        case kU32:
-        case kF32:
-            return 4;
-        default:
-            return 0;
-    }
-}
 
 int component_count(const std::string& type) {
     if (type == "SCALAR") return 1;
@@ -39,27 +20,14 @@ int component_count(const std::string& type) {
     return 0;
 }
 
-template <class T>
-T take(const std::byte* from) {
-    T value;
-    std::memcpy(&value, from, sizeof(T));
-    return value;
-}
-
 std::uint32_t little_endian_word(std::string_view bytes, std::size_t at) {
-    return take<std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + at));
+    std::uint32_t word = 0;
+    std::memcpy(&word, bytes.data() + at, sizeof word);
+    return word;
 }
 
 std::span<const std::byte> as_bytes(std::string_view text) {
     return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
-}
-
-int base64_digit(char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    if (c == '+') return 62;
-    return c == '/' ? 63 : -1;
 }
 
 /// "2.0"; empty where the file does not say.
@@ -74,59 +42,6 @@ Error other_version(const std::filesystem::path& file, const std::string& versio
 }
 
 }  // namespace
-
-dvec4 Accessor::real(std::size_t i) const {
-    const std::byte* at = data_ + i * stride_;
-    dvec4 value{0.0};
-    for (int c = 0; c < components; ++c) {
-        const auto index = static_cast<std::size_t>(c);
-        switch (component_type_) {
-            case kF32:
-                value[c] = take<float>(at + 4 * index);
-                break;
-            case kU32:
-                value[c] = take<std::uint32_t>(at + 4 * index);
-                break;
-            case kU16:
-                value[c] = take<std::uint16_t>(at + 2 * index);
-                break;
-            case kI16:
-                value[c] = take<std::int16_t>(at + 2 * index);
-                break;
-            case kU8:
-                value[c] = take<std::uint8_t>(at + index);
-                break;
-            default:
-                value[c] = take<std::int8_t>(at + index);
-                break;
-        }
-    }
-    if (!normalized_) return value;
-    switch (component_type_) {
-        case kU8:
-            return value / 255.0;
-        case kU16:
-            return value / 65535.0;
-        case kI8:
-            return glm::max(value / 127.0, dvec4(-1.0));
-        case kI16:
-            return glm::max(value / 32767.0, dvec4(-1.0));
-        default:
-            return value;
-    }
-}
-
-std::uint32_t Accessor::index(std::size_t i) const {
-    const std::byte* at = data_ + i * stride_;
-    switch (component_type_) {
-        case kU8:
-            return take<std::uint8_t>(at);
-        case kU16:
-            return take<std::uint16_t>(at);
-        default:
-            return take<std::uint32_t>(at);
-    }
-}
 
 Document::Document(const FileBytes& bytes, std::uint64_t max_bytes)
     : file_(bytes), buffer_bytes_left_(max_bytes) {
@@ -223,35 +138,34 @@ Accessor Document::accessor(std::size_t index) {
     accessor.component_type_ = static_cast<int>(whole(description, "componentType").value_or(0));
     accessor.components = component_count(value_or<std::string>(description, "type", ""));
     accessor.normalized_ = value_or(description, "normalized", false);
-    const std::size_t element_size =
-        component_size(accessor.component_type_) * static_cast<std::size_t>(accessor.components);
-    if (element_size == 0) throw fail("has a type that cannot be read");
-    accessor.stride_ = element_size;
+    const std::size_t size = accessor.element_size();
+    if (size == 0) throw fail("has a type that cannot be read");
+    accessor.stride_ = size;
 
-    const json* sparse = child(description, "sparse");
     if (const auto view_index = whole(description, "bufferView")) {
         const std::span<const std::byte> bytes = buffer_view(*view_index);
         const json& view = object("bufferViews", *view_index);
-        accessor.stride_ = whole(view, "byteStride").value_or(element_size);
+        accessor.stride_ = whole(view, "byteStride").value_or(size);
         const std::size_t offset = whole(description, "byteOffset").value_or(0);
         const std::size_t room = offset > bytes.size() ? 0 : bytes.size() - offset;
-        if (accessor.stride_ < element_size) throw fail("has a stride below its element's size");
+        if (accessor.stride_ < size) throw fail("has a stride below its element's size");
         if (accessor.count > 0 &&
-            (room < element_size || accessor.count - 1 > (room - element_size) / accessor.stride_))
+            (room < size || accessor.count - 1 > (room - size) / accessor.stride_))
             throw fail("reaches past its bufferView");
         accessor.data_ = bytes.data() + offset;
     } else {
         // Zeros, of which a short file could ask for any number.
         if (accessor.count > file_.view().size() + (1u << 20)) throw fail("has no data");
-        accessor.patched_ = std::make_shared<std::vector<std::byte>>(accessor.count * element_size);
-        accessor.data_ = accessor.patched_->data();
+        accessor = Accessor(std::vector<std::byte>(accessor.count * size), accessor.component_type_,
+                            accessor.components, accessor.normalized_);
     }
-    if (sparse) apply_sparse(*sparse, element_size, accessor);
+    if (const json* sparse = child(description, "sparse")) apply_sparse(*sparse, accessor);
     return accessor;
 }
 
-void Document::apply_sparse(const json& sparse, std::size_t element_size, Accessor& accessor) {
+void Document::apply_sparse(const json& sparse, Accessor& accessor) {
     const std::size_t count = whole(sparse, "count").value_or(0);
+    const std::size_t element_size = accessor.element_size();
     const auto part = [&](const char* name, std::size_t size) {
         const json* description = child(sparse, name);
         const auto view = description ? whole(*description, "bufferView") : std::nullopt;
@@ -267,79 +181,25 @@ void Document::apply_sparse(const json& sparse, std::size_t element_size, Access
     if (description)
         indices.component_type_ =
             static_cast<int>(whole(*description, "componentType").value_or(0));
-    indices.stride_ = component_size(indices.component_type_);
+    indices.stride_ = indices.element_size();
     if (indices.stride_ == 0) throw file_.error("a sparse accessor has indices of unknown type");
     indices.data_ = part("indices", indices.stride_).data();
     const std::span<const std::byte> values = part("values", element_size);
 
-    if (!accessor.patched_) {
-        auto copy = std::make_shared<std::vector<std::byte>>(accessor.count * element_size);
+    if (!accessor.own_) {
+        std::vector<std::byte> copy(accessor.count * element_size);
         for (std::size_t i = 0; i < accessor.count; ++i)
-            std::memcpy(copy->data() + i * element_size, accessor.data_ + i * accessor.stride_,
+            std::memcpy(copy.data() + i * element_size, accessor.data_ + i * accessor.stride_,
                         element_size);
-        accessor.patched_ = std::move(copy);
-        accessor.data_ = accessor.patched_->data();
-        accessor.stride_ = element_size;
+        accessor = Accessor(std::move(copy), accessor.component_type_, accessor.components,
+                            accessor.normalized_);
     }
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t at = indices.index(i);
         if (at >= accessor.count) throw file_.error("a sparse accessor's index is out of range");
-        std::memcpy(accessor.patched_->data() + at * element_size, values.data() + i * element_size,
+        std::memcpy(accessor.own_->data() + at * element_size, values.data() + i * element_size,
                     element_size);
     }
-}
-
-std::size_t as_whole(const json& value) {
-    const double number = value.get<double>();
-    if (!(number >= 0.0 && number <= 0x1p53 && number == std::floor(number)))
-        throw json::other_error::create(500, "an index or a size is not a whole number", nullptr);
-    return static_cast<std::size_t>(number);
-}
-
-std::optional<std::size_t> whole(const json& object, const char* key) {
-    const auto found = object.find(key);
-    if (found == object.end()) return {};
-    return as_whole(*found);
-}
-
-const json* child(const json& object, const char* key) {
-    const auto found = object.find(key);
-    return found == object.end() ? nullptr : &*found;
-}
-
-const json* extension(const json& object, const char* name) {
-    const json* extensions = child(object, "extensions");
-    return extensions && extensions->is_object() ? child(*extensions, name) : nullptr;
-}
-
-dvec4 numbers(const json& object, const char* key, const dvec4& fallback) {
-    const json* array = child(object, key);
-    if (!array) return fallback;
-    dvec4 value = fallback;
-    for (std::size_t i = 0; i < array->size() && i < 4; ++i)
-        value[static_cast<int>(i)] = array->at(i).get<double>();
-    return value;
-}
-
-std::optional<std::vector<std::byte>> data_uri(std::string_view uri) {
-    if (!uri.starts_with("data:")) return {};
-    const std::size_t comma = uri.find(',');
-    std::vector<std::byte> bytes;
-    if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64")) return bytes;
-    std::uint32_t bits = 0;
-    int have = 0;
-    bytes.reserve((uri.size() - comma) / 4 * 3);
-    for (const char c : uri.substr(comma + 1)) {
-        const int digit = base64_digit(c);
-        if (digit < 0) break;  // the padding
-        bits = bits << 6 | static_cast<std::uint32_t>(digit);
-        have += 6;
-        if (have >= 8) {
-            have -= 8;
-            bytes.push_back(static_cast<std::byte>(bits >> have & 0xff));
-        }
-    }
-    return bytes;
 }
 
 }  // namespace octavo::gltf

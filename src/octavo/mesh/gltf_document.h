@@ -3,41 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "octavo/core/file_bytes.h"
-#include "octavo/core/vec.h"
+#include "octavo/mesh/gltf_accessor.h"
+#include "octavo/mesh/gltf_json.h"
 
 namespace octavo::gltf {
-
-using json = nlohmann::json;
-
-/// The numbers of an accessor, read one at a time where they lie. All bounds were checked when it
-/// was made, so reading below `count` cannot fail.
-class Accessor {
-public:
-    std::size_t count = 0;
-    int components = 1;  // 1 to 4; matrices are not read
-
-    /// Element i, normalized where the accessor says so; components that it does not have are 0.
-    [[nodiscard]] dvec4 real(std::size_t i) const;
-    /// Element i of an accessor of unsigned integers.
-    [[nodiscard]] std::uint32_t index(std::size_t i) const;
-
-private:
-    friend class Document;
-    const std::byte* data_ = nullptr;
-    std::size_t stride_ = 0;
-    int component_type_ = 0;
-    bool normalized_ = false;
-    std::shared_ptr<std::vector<std::byte>> patched_;  // of a sparse accessor: a packed copy
-};
 
 /// A glTF or GLB file: its JSON, and its buffers, which are read when they are first asked for.
 ///
@@ -60,7 +37,7 @@ public:
 
 private:
     std::span<const std::byte> buffer(std::size_t index);
-    void apply_sparse(const json& sparse, std::size_t element_size, Accessor& accessor);
+    void apply_sparse(const json& sparse, Accessor& accessor);
 
     const FileBytes& file_;
     json root_;
@@ -69,30 +46,5 @@ private:
     std::map<std::filesystem::path, FileBytes> buffer_files_;
     std::uint64_t buffer_bytes_left_;
 };
-
-/// A whole number at this key: none where the key is absent. @throws json::exception where it is
-/// not one from 0 to 2^53
-[[nodiscard]] std::optional<std::size_t> whole(const json& object, const char* key);
-
-/// The whole number that a value is. @throws json::exception as above
-[[nodiscard]] std::size_t as_whole(const json& value);
-
-/// The value at a key, or the fallback where the key is absent. @throws json::exception
-template <class T>
-[[nodiscard]] T value_or(const json& object, const char* key, T fallback) {
-    const auto found = object.find(key);
-    return found == object.end() ? fallback : found->template get<T>();
-}
-
-/// The object at a key, or none.
-[[nodiscard]] const json* child(const json& object, const char* key);
-/// The object of an extension, or none.
-[[nodiscard]] const json* extension(const json& object, const char* name);
-
-/// Up to four numbers of an array. @throws json::exception
-[[nodiscard]] dvec4 numbers(const json& object, const char* key, const dvec4& fallback);
-
-/// The bytes of a "data:" URI; none where the URI is of another kind.
-[[nodiscard]] std::optional<std::vector<std::byte>> data_uri(std::string_view uri);
 
 }  // namespace octavo::gltf
