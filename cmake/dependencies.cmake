@@ -15,6 +15,8 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)      # optional compres
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)        # what a build spills to its scratch folder
 
 find_package(assimp REQUIRED)    # the many mesh formats that we do not read ourselves
+find_package(draco REQUIRED)     # glTF meshes packed by KHR_draco_mesh_compression
+find_package(meshoptimizer REQUIRED)  # and by EXT_meshopt_compression
 find_package(PNG REQUIRED)       # pictures, and the textures of scenes
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)  # textures of scenes, pictures that `octavo view` sends
 find_package(OpenEXR REQUIRED)   # pictures in linear floats

@@ -4,47 +4,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mesh/mesh_files.h"
+#include "mesh/gltf_file.h"
 
 namespace octavo {
 namespace {
 
 using nlohmann::json;
+using test::GltfFile;
 using test::load_error;
 using test::mentions;
 using test::raw;
 using test::TemporaryFolder;
-
-/// Puts a glTF file together: data.bin beside it, one bufferView per accessor.
-struct GltfFile {
-    json root{{"asset", {{"version", "2.0"}}}};
-    std::string data;
-
-    template <class T>
-    int accessor(const std::vector<T>& values, int component, const char* type, int components,
-                 bool normalized = false) {
-        while (data.size() % 4 != 0) data += '\0';
-        json view{
-            {"buffer", 0}, {"byteOffset", data.size()}, {"byteLength", values.size() * sizeof(T)}};
-        for (const T& value : values) data += raw(value);
-        root["bufferViews"].push_back(view);
-        root["accessors"].push_back(
-            {{"bufferView", root["bufferViews"].size() - 1},
-             {"componentType", component},
-             {"count", values.size() / static_cast<std::size_t>(components)},
-             {"type", type},
-             {"normalized", normalized}});
-        return static_cast<int>(root["accessors"].size()) - 1;
-    }
-    int positions(const std::vector<float>& values) { return accessor(values, 5126, "VEC3", 3); }
-
-    std::filesystem::path write(const TemporaryFolder& folder) {
-        folder.write("my data.bin", data);
-        if (!data.empty())
-            root["buffers"] = {{{"uri", "my%20data.bin"}, {"byteLength", data.size()}}};
-        return folder.write("a.gltf", root.dump());
-    }
-};
 
 GltfFile with_triangle() {
     GltfFile file;
@@ -320,15 +290,6 @@ TEST(Gltf, SurvivesJsonOfAnyDepth) {
     EXPECT_EQ(load_error(folder.write("a.gltf", deep)).code(), Errc::bad_input);
     EXPECT_EQ(load_error(folder.write("b.gltf", deep + std::string(1'000'000, ']') + "}")).code(),
               Errc::bad_input);
-}
-
-TEST(Gltf, SaysWhichPackingItCannotRead) {
-    const TemporaryFolder folder;
-    GltfFile file = with_triangle();
-    file.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-    const Error error = load_error(file.write(folder));
-    EXPECT_EQ(error.code(), Errc::unsupported);
-    EXPECT_NE(std::string(error.what()).find("draco"), std::string::npos);
 }
 
 TEST(Gltf, SaysWhichOtherVersionItIs) {

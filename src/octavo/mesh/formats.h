@@ -17,8 +17,10 @@ namespace octavo::formats {
             "has no triangles, only points or lines: it must be meshed first"};
 }
 
-/// .gltf and .glb. @param max_bytes  of vertices and triangles @throws Error limit beyond
-[[nodiscard]] Scene read_gltf(const FileBytes& bytes, std::uint64_t max_bytes);
+/// .gltf and .glb.
+/// @param max_bytes    of vertices and triangles, and of buffers @throws Error limit beyond
+/// @param max_seconds  for a file with Draco data, which is read in a process of its own
+[[nodiscard]] Scene read_gltf(const FileBytes& bytes, std::uint64_t max_bytes, double max_seconds);
 [[nodiscard]] Scene read_obj(LineReader& lines);
 [[nodiscard]] Scene read_ply(const FileBytes& bytes);
 [[nodiscard]] Scene read_stl(const FileBytes& bytes);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
 #include "octavo/mesh/gltf_document.h"
 #include "octavo/mesh/gltf_geometry.h"
@@ -41,8 +42,8 @@ dvec3 unit(const dvec4& direction, const dvec3& fallback) {
 
 class SceneReader {
 public:
-    SceneReader(const FileBytes& bytes, std::uint64_t max_bytes)
-        : document_(bytes, max_bytes), geometry_(document_, scene_, warnings_, max_bytes) {}
+    SceneReader(Document& document, std::uint64_t max_bytes)
+        : document_(document), geometry_(document_, scene_, warnings_, max_bytes) {}
 
     Scene read() {
         check_extensions();
@@ -59,19 +60,18 @@ private:
     void warn(const std::string& what) { warnings_.insert(what); }
 
     void check_extensions() {
-        // Geometry that is packed so that we cannot read it.
-        static const std::set<std::string> packed{"KHR_draco_mesh_compression",
-                                                  "EXT_meshopt_compression"};
-        static const std::set<std::string> known{
-            "KHR_mesh_quantization", "KHR_lights_punctual", "KHR_materials_emissive_strength",
-            "KHR_texture_transform", "KHR_materials_pbrSpecularGlossiness"};
+        static const std::set<std::string> known{"EXT_meshopt_compression",
+                                                 "KHR_draco_mesh_compression",
+                                                 "KHR_lights_punctual",
+                                                 "KHR_materials_emissive_strength",
+                                                 "KHR_materials_pbrSpecularGlossiness",
+                                                 "KHR_mesh_quantization",
+                                                 "KHR_meshopt_compression",
+                                                 "KHR_texture_transform"};
         const json* required = child(document_.root(), "extensionsRequired");
         if (!required) return;
         for (const json& value : *required) {
             const auto name = value.get<std::string>();
-            if (packed.contains(name))
-                throw Error(Errc::unsupported, document_.file().file(),
-                            "needs " + name + ": unpack it first");
             if (!known.contains(name)) warn("requires " + name + ", which is not known");
         }
     }
@@ -180,7 +180,7 @@ private:
         scene_.lights.push_back(std::move(light));
     }
 
-    Document document_;
+    Document& document_;
     Scene scene_;
     std::set<std::string> warnings_;
     GeometryReader geometry_;
@@ -195,12 +195,17 @@ std::string without_code(const json::exception& error) {
 
 }  // namespace
 
-Scene formats::read_gltf(const FileBytes& bytes, std::uint64_t max_bytes) {
-    try {
-        return SceneReader(bytes, max_bytes).read();
-    } catch (const json::exception& error) {
-        throw bytes.error("is not valid glTF: " + without_code(error));
-    }
+Scene formats::read_gltf(const FileBytes& bytes, std::uint64_t max_bytes, double max_seconds) {
+    Document document(bytes, max_bytes);
+    const auto read = [&] {
+        try {
+            return SceneReader(document, max_bytes).read();
+        } catch (const json::exception& error) {
+            throw bytes.error("is not valid glTF: " + without_code(error));
+        }
+    };
+    return document.names(kDraco) ? read_in_child(bytes.file(), read, max_bytes, max_seconds)
+                                  : read();
 }
 
 }  // namespace octavo

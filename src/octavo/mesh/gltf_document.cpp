@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "octavo/mesh/confined_path.h"
+#include "octavo/mesh/gltf_meshopt.h"
 #include "octavo/mesh/text_cursor.h"
 
 namespace octavo::gltf {
@@ -118,14 +119,57 @@ std::span<const std::byte> Document::buffer(std::size_t index) {
     return as_bytes(known->second.view());
 }
 
-std::span<const std::byte> Document::buffer_view(std::size_t index) {
-    const json& view = object("bufferViews", index);
+bool Document::names(const std::string& extension) const {
+    for (const char* list : {"extensionsUsed", "extensionsRequired"})
+        if (const json* all = child(root_, list))
+            for (const json& name : *all)
+                if (name == extension) return true;
+    return false;
+}
+
+std::span<const std::byte> Document::part(const json& view, const std::string& whose) {
     const std::span<const std::byte> bytes = buffer(whole(view, "buffer").value_or(0));
     const std::size_t offset = whole(view, "byteOffset").value_or(0);
     const std::size_t length = whole(view, "byteLength").value_or(0);
     if (offset > bytes.size() || length > bytes.size() - offset)
-        throw file_.error("bufferView " + std::to_string(index) + " reaches past its buffer");
+        throw file_.error(whose + " reaches past its buffer");
     return bytes.subspan(offset, length);
+}
+
+std::span<const std::byte> Document::buffer_view(std::size_t index) {
+    const json& view = object("bufferViews", index);
+    const std::string name = "bufferView " + std::to_string(index);
+    const json* packing = meshopt_packing(view);
+    if (!packing) return part(view, name);
+    auto known = unpacked_views_.find(index);
+    if (known == unpacked_views_.end()) {
+        auto bytes = unpack_meshopt(*packing, part(*packing, name), file_, buffer_bytes_left_);
+        buffer_bytes_left_ -= bytes.size();
+        known = unpacked_views_.emplace(index, std::move(bytes)).first;
+    }
+    return known->second;
+}
+
+std::optional<Accessor> Document::unpack_draco(const json& primitive) {
+    const json* packing = names(kDraco) ? extension(primitive, kDraco) : nullptr;
+    const json* packed = packing ? child(*packing, "attributes") : nullptr;
+    const json* attributes = child(primitive, "attributes");
+    if (!packed || !attributes) return {};
+    if (const auto position = whole(*attributes, "POSITION"))
+        if (child(object("accessors", *position), "bufferView")) return {};
+
+    const std::size_t view = whole(*packing, "bufferView").value_or(count("bufferViews"));
+    auto mesh = draco_meshes_.find(view);
+    if (mesh == draco_meshes_.end())
+        mesh = draco_meshes_.emplace(view, DracoMesh(buffer_view(view), file_)).first;
+    for (const auto& [name, id] : packed->items()) {
+        const auto accessor = whole(*attributes, name.c_str());
+        if (!accessor) continue;
+        const DracoAttribute source{view, static_cast<std::uint32_t>(as_whole(id))};
+        if (draco_attributes_.emplace(*accessor, source).first->second != source)
+            throw file_.error("accessor " + std::to_string(*accessor) + " is packed twice");
+    }
+    return mesh->second.triangles();
 }
 
 Accessor Document::accessor(std::size_t index) {
@@ -133,6 +177,10 @@ Accessor Document::accessor(std::size_t index) {
     const auto fail = [&](const std::string& what) {
         return file_.error("accessor " + std::to_string(index) + " " + what);
     };
+    if (const auto packed = draco_attributes_.find(index); packed != draco_attributes_.end())
+        return draco_meshes_.at(packed->second.view)
+            .attribute(packed->second.id, value_or(description, "normalized", false));
+
     Accessor accessor;
     accessor.count = whole(description, "count").value_or(0);
     accessor.component_type_ = static_cast<int>(whole(description, "componentType").value_or(0));

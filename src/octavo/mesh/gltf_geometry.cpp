@@ -38,9 +38,7 @@ void GeometryReader::add_primitive(const json& primitive, const dmat4& world, Ve
     const auto position = attributes ? whole(*attributes, "POSITION") : std::nullopt;
     if (!position) return warn("primitives without positions were passed over");
     if (child(primitive, "targets")) warn("morph targets were passed over");
-    if (extension(primitive, "KHR_draco_mesh_compression"))
-        warn("Draco data was passed over for the plain data beside it");
-
+    const std::optional<Accessor> packed_triangles = document_.unpack_draco(primitive);
     const std::uint32_t material = material_of(primitive);
     const bool textured = material != Scene::kNoMaterial && !scene_.textures.empty();
     const MaterialPlacement placement = textured ? placements_[material] : MaterialPlacement{};
@@ -58,9 +56,11 @@ void GeometryReader::add_primitive(const json& primitive, const dmat4& world, Ve
     if (base == bases.end())
         base = bases.emplace(key, add_vertices(positions, key, placement, world)).first;
 
-    std::optional<Accessor> indices;
-    if (const auto index = whole(primitive, "indices")) indices = document_.accessor(*index);
-    add_triangles(mode, positions.count, indices ? &*indices : nullptr, base->second);
+    std::optional<Accessor> indices = packed_triangles;
+    if (const auto index = whole(primitive, "indices"); index && !packed_triangles)
+        indices = document_.accessor(*index);
+    const std::size_t kind = packed_triangles ? std::size_t{kTriangles} : mode;
+    add_triangles(kind, positions.count, indices ? &*indices : nullptr, base->second);
     scene_.triangle_materials.resize(scene_.triangles.size(), material);
 }
 

@@ -53,7 +53,7 @@ Scene read(const fs::path& file, const LoadLimits& limits) {
     const FileBytes bytes = read_inflated(file, limits.max_bytes);
     if (is_glb(bytes.view()) || extension == ".gltf" || extension == ".glb") {
         refuse_utf16(bytes.view(), file);
-        return formats::read_gltf(bytes, limits.max_bytes);
+        return formats::read_gltf(bytes, limits.max_bytes, limits.max_seconds);
     }
     if (is_ply(bytes.view()) || extension == ".ply") return formats::read_ply(bytes);
     if (extension == ".stl") return formats::read_stl(bytes);

@@ -13,7 +13,7 @@ struct LoadLimits {
     /// For vertices and triangles, which a small file may repeat without end by instancing a mesh,
     /// and for what is inflated. 0: half of the machine's memory.
     std::uint64_t max_bytes = 0;
-    /// For the formats that the assimp library reads.
+    /// For what is read in a process of its own: the formats of assimp, and Draco data.
     double max_seconds = 600.0;
 };
 
@@ -31,7 +31,8 @@ struct LoadLimits {
 ///                what its format says, or has no triangles; unsupported where no reader knows it;
 ///                limit where it has more than 2^32 vertices or triangles, or passes the limits
 ///
-/// assimp runs in a process of its own, as it crashes on some damaged files: that is then an Error.
+/// assimp, and the reader of a glTF file with Draco data, run in a process of their own, as the
+/// libraries may crash on damaged files: that is then an Error.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, const LoadLimits& limits = {});
 
 }  // namespace octavo
