@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "camera_arguments.h"
 #include "commands.h"
 #include "help.h"
 #include "lit_arguments.h"
@@ -39,7 +39,6 @@ constexpr const char* kExamples =
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr int kReferenceSamples = 256;
-constexpr double kDefaultFovDegrees = 45.0;
 
 struct RenderArguments {
     std::filesystem::path file;
@@ -47,11 +46,7 @@ struct RenderArguments {
     std::filesystem::path output;
     RenderOptions options;
     uvec2 size{1280, 720};
-    std::optional<dvec3> eye;
-    std::optional<dvec3> at;
-    std::optional<double> fov_degrees;
-    std::string camera_name;
-    bool overview = false;
+    CameraArguments camera;
     bool samples_given = false;
     std::optional<std::array<double, 2>> sun;
     std::vector<std::string> lights;
@@ -103,34 +98,14 @@ void check_extension(const std::filesystem::path& file) {
         throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
 }
 
-Camera named_camera(const std::vector<Camera>& cameras, const std::string& wanted) {
-    const auto found = std::ranges::find(cameras, wanted, &Camera::name);
-    if (found != cameras.end()) return *found;
-    std::string names;
-    for (const Camera& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
-    throw Error(Errc::bad_argument,
-                "no camera '" + wanted + "'; the file has " + (names.empty() ? "none" : names));
-}
-
-/// The camera that the arguments describe: by name, by `--eye`, else the scene's first one. A scene
-/// without cameras, or `--overview`, is framed as a whole.
-Camera chosen_camera(const RenderArguments& arguments, const Model& model) {
-    Camera camera;
-    if (!arguments.camera_name.empty()) {
-        camera = named_camera(model.metadata.cameras, arguments.camera_name);
-    } else if (!arguments.eye && !arguments.overview && !model.metadata.cameras.empty()) {
-        camera = model.metadata.cameras.front();
-    } else {
-        const Box shown = framed_box(model.dag, model.grid());
-        const double fov = arguments.fov_degrees.value_or(kDefaultFovDegrees) * kRadiansPerDegree;
-        if (arguments.eye)
-            return look_at(*arguments.eye, arguments.at.value_or(shown.centre()),
-                           arguments.options.up, fov);
-        camera = default_camera(shown, arguments.options.up,
-                                static_cast<double>(arguments.size.x) / arguments.size.y);
-    }
-    if (arguments.fov_degrees) camera.vertical_fov = *arguments.fov_degrees * kRadiansPerDegree;
-    return camera;
+/// @param alone  whether the model is all that there is to see
+void choose_camera(RenderArguments& arguments, const Model& model, bool alone) {
+    const double aspect = static_cast<double>(arguments.size.x) / arguments.size.y;
+    const Camera camera = chosen_camera(arguments.camera, model, arguments.options.up, aspect);
+    arguments.options.camera = camera;
+    if (arguments.quiet || !alone) return;
+    const std::string remark = camera_remark(arguments.camera, camera, model, aspect);
+    if (!remark.empty()) fmt::print(stderr, "octavo: {}\n", remark);
 }
 
 /// What draws the picture; `auto` takes the CPU where no GPU can.
@@ -172,10 +147,11 @@ void run_lit(RenderArguments& arguments) {
     ProgressMeter meter(arguments.quiet);
     lit.light.progress = options.progress = meter.function();
     const LitInput input = read_lit_input(arguments.file, lit, options.up);
-    options.camera = arguments.eye || arguments.camera_name.empty() == false || !input.camera
-                         ? chosen_camera(arguments, input.models.front())
-                         : *input.camera;
     const bool one_object = arguments.file.extension() != ".json";
+    if (input.camera && arguments.camera.leave_it_open())
+        options.camera = *input.camera;
+    else
+        choose_camera(arguments, input.models.front(), one_object);
     write_image(arguments.output,
                 lit.lighting == Lighting::cached && one_object
                     ? render_cached(arguments, input)
@@ -220,7 +196,7 @@ void run_render(RenderArguments& arguments) {
     RenderOptions& options = arguments.options;
     if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
     if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
-    options.camera = chosen_camera(arguments, model);
+    choose_camera(arguments, model, true);
     options.lights = asked_lights(arguments.sun, arguments.lights, model, options.up);
 
     ProgressMeter meter(arguments.quiet);
@@ -229,27 +205,6 @@ void run_render(RenderArguments& arguments) {
     const auto dag = options.attributes ? device->upload(model.dag, model.attributes)
                                         : device->upload(model.dag);
     write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
-}
-
-void add_view_options(CLI::App& command, RenderArguments& arguments) {
-    CLI::Option* camera = command
-                              .add_option("--camera", arguments.camera_name,
-                                          "A camera of the scene, by its name; otherwise its first")
-                              ->type_name("NAME");
-    CLI::Option* eye = add_parsed(command, "--eye", arguments.eye, parse_vec3,
-                                  "Where the camera stands, world space", "X,Y,Z");
-    add_parsed(command, "--at", arguments.at, parse_vec3,
-               "What it looks at; otherwise the middle of the scene", "X,Y,Z")
-        ->needs(eye);
-    add_parsed(command, "--up", arguments.options.up, parse_vec3, "Which way is up; 0,1,0",
-               "X,Y,Z");
-    command.add_option("--fov", arguments.fov_degrees, "Vertical field of view")
-        ->type_name("DEGREES")
-        ->check(within(0.01, 179.0));
-    CLI::Option* overview = command.add_flag("--overview", arguments.overview,
-                                             "Frame the whole scene, as if it had no camera");
-    camera->excludes(eye)->excludes(overview);
-    overview->excludes(eye);
 }
 
 void add_light_options(CLI::App& command, RenderArguments& arguments) {
@@ -332,7 +287,9 @@ void add_render_command(CLI::App& program) {
         ->required()
         ->type_name("FILE");
     add_parsed(command, "--size", arguments->size, parse_size, "Pixels; 1280x720", "WxH");
-    add_view_options(command, *arguments);
+    add_camera_options(command, arguments->camera);
+    add_parsed(command, "--up", arguments->options.up, parse_vec3, "Which way is up; 0,1,0",
+               "X,Y,Z");
     add_light_options(command, *arguments);
     command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
         ->type_name("N")

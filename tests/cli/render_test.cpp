@@ -3,6 +3,8 @@
 
 #include "cli/run_command.h"
 #include "octavo/io/octv.h"
+#include "octavo/render/render.h"
+#include "octavo/trace/trace.h"
 #include "support/lamps.h"
 
 namespace octavo::test {
@@ -43,6 +45,35 @@ TEST(RenderLight, IsThatOfTheFile) {
 TEST(RenderLight, IsALampWhereThereIsNoSun) {
     EXPECT_TRUE(picture({kLamp}) != picture({}));
     EXPECT_TRUE(picture({kLamp}) != picture({test::lamp_at({-11, 1, 0}, 50.0f)}));
+}
+
+TEST(RenderCamera, SaysWhoseItIsAndWhatIsWrongWithIt) {
+    const TemporaryFolder folder;
+    Model model = read_octv(small_octv());
+    const Box box = framed_box(model.dag, model.grid());
+    Camera camera = default_camera(box, {0.0, 1.0, 0.0}, 16.0 / 9.0);
+    camera.name = "porch";
+    model.metadata.cameras = {camera};
+    write_octv(folder / "a.octv", model);
+    const auto says = [&](const std::string& options) {
+        const Outcome outcome = run_shell(
+            folder.path(), "octavo render a.octv -o a.png -f --size 16x9 --ao 0 " + options);
+        EXPECT_EQ(outcome.code, 0);
+        return outcome.err;
+    };
+    EXPECT_NE(says("").find("seen by the file's camera 'porch'; --overview"), std::string::npos);
+    for (const char* asked : {"--camera porch", "--overview", "-q"})
+        EXPECT_EQ(says(asked).find("porch"), std::string::npos) << asked;
+    EXPECT_NE(says("--eye 0,1e5,0 --at 1,2e5,0").find("sees next to nothing"), std::string::npos);
+
+    const Ray down{.origin = box.centre() + dvec3(0, box.size().y, 0), .direction = {0, -1, 0}};
+    const Hit hit = trace_closest(model.dag, model.grid(), down);
+    ASSERT_TRUE(hit);
+    const Grid grid = model.grid();
+    model.metadata.cameras[0].eye = grid.origin + grid.voxel_size * (dvec3(hit.path) + 0.5);
+    write_octv(folder / "a.octv", model);
+    const std::string said = says("");
+    EXPECT_NE(said.find("'porch' stands in a full voxel"), std::string::npos) << said;
 }
 
 TEST(RenderAmbient, StopsAtAnAngleOnlyWhereItIsAskedFor) {
