@@ -200,7 +200,7 @@ void CellValuesWriter::append(const PackedBlocks& blocks) {
 }
 
 void CellValuesWriter::put(const PackedBlocks& blocks) {
-    const auto base = static_cast<std::uint32_t>(spilled_ + blocks_.words.size() - head_words_);
+    const auto base = static_cast<std::uint32_t>(spilled_ + blocks_.words.size() - head_words());
     for (const std::uint32_t begin : blocks.begins)
         blocks_.begins.push_back(begin == 0 ? 0 : begin + base);
     blocks_.words.insert(blocks_.words.end(), blocks.words.begin(), blocks.words.end());
@@ -235,7 +235,7 @@ CellValues CellValuesWriter::finish() && {
         const std::span<const std::uint32_t> words = mapped->words();
         return {words, count_, std::move(mapped), Dag::Backing::mapped_file};
     }
-    if (head_words_ != 0) {
+    if (head_words() != 0) {
         std::copy(all.begin(), all.end(), blocks_.words.begin());
         all = std::move(blocks_.words);
     } else {

@@ -133,7 +133,6 @@ public:
     CellValuesWriter(int value_bits, int tolerance, std::uint64_t count)
         : packer_(value_bits, tolerance), data_begin_(data_begin_of(count)) {
         blocks_.words.resize(data_begin_);
-        head_words_ = data_begin_;
     }
 
     /// Puts them into a temporary file, which is then mapped: memory holds the last
@@ -165,6 +164,8 @@ private:
         return CellValues::kHeaderWords +
                (count + CellValues::kBlockCells - 1) / CellValues::kBlockCells;
     }
+    /// At the front of blocks_.words, room for what is before the data; in a file it is left there.
+    [[nodiscard]] std::uint64_t head_words() const { return file_ ? 0 : data_begin_; }
     void check_room() const;
     void pack_pending();
     void put(const PackedBlocks& blocks);
@@ -173,7 +174,6 @@ private:
     BlockPacker packer_;
     std::unique_ptr<SpillFile> file_;  // or none
     std::uint64_t data_begin_ = 0;     // where it is known: the word behind the table of blocks
-    std::uint64_t head_words_ = 0;     // at the front of words: room for what is before that
     std::uint64_t spilled_ = 0;        // words of blocks in the file
     PackedBlocks blocks_;              // all begins, and the words that are not in the file
     PackedBlocks packed_;              // one block
