@@ -98,13 +98,20 @@ void check_extension(const std::filesystem::path& file) {
         throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
 }
 
-/// @param alone  whether the model is all that there is to see
-void choose_camera(RenderArguments& arguments, const Model& model, bool alone) {
-    const double aspect = static_cast<double>(arguments.size.x) / arguments.size.y;
-    const Camera camera = chosen_camera(arguments.camera, model, arguments.options.up, aspect);
-    arguments.options.camera = camera;
-    if (arguments.quiet || !alone) return;
-    const std::string remark = camera_remark(arguments.camera, camera, model, aspect);
+double aspect_of(const RenderArguments& arguments) {
+    return static_cast<double>(arguments.size.x) / arguments.size.y;
+}
+
+void choose_camera(RenderArguments& arguments, const Model& model) {
+    arguments.options.camera =
+        chosen_camera(arguments.camera, model, arguments.options.up, aspect_of(arguments));
+}
+
+/// Last before the picture, so that an error has its line to itself.
+void remark_on_camera(const RenderArguments& arguments, const Model& model) {
+    if (arguments.quiet) return;
+    const std::string remark =
+        camera_remark(arguments.camera, *arguments.options.camera, model, aspect_of(arguments));
     if (!remark.empty()) fmt::print(stderr, "octavo: {}\n", remark);
 }
 
@@ -124,6 +131,7 @@ Image render_cached(const RenderArguments& arguments, const LitInput& input) {
     options.sky = input.scene.sky;
     const auto device = device_for(arguments);
     const auto dag = device->upload(object.dag, object.attributes, object.light);
+    remark_on_camera(arguments, input.models.front());
     return device->render_cached(*dag, object.grid, options);
 }
 
@@ -151,11 +159,11 @@ void run_lit(RenderArguments& arguments) {
     if (input.camera && arguments.camera.leave_it_open())
         options.camera = *input.camera;
     else
-        choose_camera(arguments, input.models.front(), one_object);
-    write_image(arguments.output,
-                lit.lighting == Lighting::cached && one_object
-                    ? render_cached(arguments, input)
-                    : render_lit(input.scene, lit.lighting, options),
+        choose_camera(arguments, input.models.front());
+    if (lit.lighting == Lighting::cached && one_object)
+        return write_image(arguments.output, render_cached(arguments, input), arguments.exposure);
+    if (one_object) remark_on_camera(arguments, input.models.front());
+    write_image(arguments.output, render_lit(input.scene, lit.lighting, options),
                 arguments.exposure);
 }
 
@@ -196,7 +204,7 @@ void run_render(RenderArguments& arguments) {
     RenderOptions& options = arguments.options;
     if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
     if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
-    choose_camera(arguments, model, true);
+    choose_camera(arguments, model);
     options.lights = asked_lights(arguments.sun, arguments.lights, model, options.up);
 
     ProgressMeter meter(arguments.quiet);
@@ -204,6 +212,7 @@ void run_render(RenderArguments& arguments) {
     const auto device = device_for(arguments);
     const auto dag = options.attributes ? device->upload(model.dag, model.attributes)
                                         : device->upload(model.dag);
+    remark_on_camera(arguments, model);
     write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
 }
 
