@@ -40,8 +40,11 @@ void UniqueNodes::stop() {
 }
 
 void UniqueNodes::expect(std::uint64_t count) {
+    // New pages are zeroed where the first nodes happen to fall: of a table of gigabytes that is
+    // most of it during the first tile, which nobody can interrupt.
+    constexpr std::uint64_t kMostBuckets = (std::uint64_t{32} << 20) / sizeof(Bucket);
     // What is expected may be a third too high without doubling a table that need not.
-    const std::uint64_t buckets = count * 3 / 4 / kNodesOfBucket;
+    const std::uint64_t buckets = std::min(kMostBuckets, count * 3 / 4 / kNodesOfBucket);
     first_buckets_ = std::bit_ceil(std::max<std::uint64_t>(first_buckets_, buckets));
 }
 

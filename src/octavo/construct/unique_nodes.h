@@ -169,7 +169,7 @@ public:
     static constexpr std::uint64_t kPieceNodes = 1 << 15;
 
     /// Says how many nodes there may come to be, before there are any: the table begins large
-    /// enough for nearly so many, so that it need not grow.
+    /// enough for nearly so many, or at 32 MB, so that it need not grow, or less often.
     void expect(std::uint64_t count);
 
     /// Memory that nodes and table take.
