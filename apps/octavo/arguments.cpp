@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "octavo/core/grid.h"
@@ -101,7 +100,7 @@ RayArgument parse_ray(const std::string& text) {
 
 std::array<double, 2> parse_angles(const std::string& text) {
     auto angles = parse_numbers<2>(text, "two angles in degrees, like 135,40");
-    for (double& angle : angles) angle *= std::numbers::pi / 180.0;
+    for (double& angle : angles) angle *= kRadiansPerDegree;
     return angles;
 }
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,9 @@
 
 /// How the command line writes numbers. All throw Error bad_argument, saying what was expected.
 namespace octavo::cli {
+
+/// Angles are given in degrees.
+inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// "4096", "4K" or "4k" -> 12. @return the depth, 2 to 17
 [[nodiscard]] int parse_resolution(const std::string& text);

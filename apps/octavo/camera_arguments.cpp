@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "arguments.h"
 #include "octavo/render/render.h"
@@ -13,9 +12,6 @@
 
 namespace octavo::cli {
 namespace {
-
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kDefaultFovDegrees = 45.0;
 
 Camera named_camera(const std::vector<Camera>& cameras, const std::string& wanted) {
     const auto found = std::ranges::find(cameras, wanted, &Camera::name);

@@ -14,7 +14,6 @@
 namespace octavo::cli {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 5> kKinds = {"sun", "point", "spot", "disc", "rectangle"};
 constexpr double kSpotAngle = 30.0 * kRadiansPerDegree;
 

@@ -6,10 +6,10 @@
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "arguments.h"
+#include "camera_arguments.h"
 #include "key_values.h"
 #include "light_arguments.h"
 #include "octavo/core/file_bytes.h"
@@ -22,8 +22,6 @@
 namespace octavo::cli {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kDefaultFovDegrees = 45.0;
 constexpr std::uint64_t kMostSceneBytes = 16u << 20;
 constexpr std::size_t kMostObjects = 10'000;
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -37,7 +36,6 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o lit.png --gi\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr int kReferenceSamples = 256;
 
 struct RenderArguments {

@@ -18,7 +18,6 @@ namespace {
 constexpr std::uint64_t kDiscardEvery = 1 << 22;
 
 /// Copies nodes and moves their pointers on to where the next level begins.
-/// @param nodes  with slack after the last one
 void copy_interior(std::span<const std::uint32_t> nodes, std::uint32_t children_begin,
                    std::uint32_t* out) {
     std::size_t i = 0;
