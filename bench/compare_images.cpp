@@ -15,6 +15,7 @@
 #include <exception>
 #include <vector>
 
+#include "octavo/attributes/encodings.h"
 #include "octavo/light/sky.h"
 #include "octavo/render/tone_map.h"
 
@@ -37,9 +38,6 @@ struct Plane {
     }
 };
 
-float linear(float srgb) {
-    return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
-}
 vec3 to_xyz(const vec3& c) {
     return {0.4123907993f * c.r + 0.3575843394f * c.g + 0.1804807884f * c.b,
             0.2126390059f * c.r + 0.7151686788f * c.g + 0.0721923154f * c.b,
@@ -140,10 +138,8 @@ std::array<float, 2> features(const Plane& p, int x, int y) {
 Plane shown(const octavo::SkyImage& image, float scale) {
     Plane plane{image.width, image.height, {}};
     for (const vec3& c : image.color) {
-        const auto rgb = octavo::tone_map(c, scale);
-        plane.values.push_back(to_opponents(vec3(linear(static_cast<float>(rgb[0]) / 255.0f),
-                                                 linear(static_cast<float>(rgb[1]) / 255.0f),
-                                                 linear(static_cast<float>(rgb[2]) / 255.0f))));
+        const octavo::Rgb8 rgb = octavo::tone_map(c, scale);
+        plane.values.push_back(to_opponents(octavo::linear_from_srgb8(rgb)));
     }
     return plane;
 }

@@ -20,7 +20,8 @@ endif()
 
 if(OCTAVO_HAS_PAGE)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/src/*)
-    file(GLOB shared CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/octavo/trace/*.h
+    file(GLOB shared CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/octavo/attributes/*.h
+         ${PROJECT_SOURCE_DIR}/src/octavo/trace/*.h
          ${PROJECT_SOURCE_DIR}/src/octavo/light/*.h
          ${PROJECT_SOURCE_DIR}/src/octavo/render/*.h)
     add_custom_command(OUTPUT ${OCTAVO_VIEWER_PAGE}

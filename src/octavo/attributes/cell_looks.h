@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // What cells look like, for every backend: octavo::Attributes in 32 bits and linear light. Shared
-// text: include after cell_rank.h and cell_value.h.
+// text: include after cell_rank.h, cell_value.h and srgb.h.
 #pragma once
 
 OCTAVO_SHARED_BEGIN
@@ -28,13 +28,9 @@ struct CellLook {
 };
 
 // As octavo::linear_from_srgb8(), within rounding.
-OCTAVO_FN float linear_from_srgb(uint channel) {
-    float s = float(channel & 255u) / 255.0f;
-    return s <= 0.04045f ? s / 12.92f : pow((s + 0.055f) / 1.055f, 2.4f);
-}
 OCTAVO_FN vec3 linear_from_rgb8(uint value) {
-    return vec3(linear_from_srgb(value), linear_from_srgb(value >> 8),
-                linear_from_srgb(value >> 16));
+    vec3 shown = vec3(uvec3(value, value >> 8, value >> 16) & 255u) / 255.0f;
+    return vec3(linear_from_srgb(shown.x), linear_from_srgb(shown.y), linear_from_srgb(shown.z));
 }
 
 // As octavo::unpack_coarse_direction(), of another length.

@@ -44,6 +44,7 @@ OCTAVO_FN uint light_load(LightView light, uint word) {
 
 #include "octavo/attributes/cell_rank.h"
 #include "octavo/attributes/cell_value.h"
+#include "octavo/attributes/srgb.h"
 
 #include "octavo/attributes/cell_looks.h"
 #include "octavo/light/cell_light.h"

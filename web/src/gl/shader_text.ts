@@ -8,12 +8,14 @@ import sampling from '../../../src/octavo/light/sampling.h?raw';
 import ambientOcclusion from '../../../src/octavo/render/ambient_occlusion.h?raw';
 import shadow from '../../../src/octavo/light/shadow.h?raw';
 import cameraRay from '../../../src/octavo/render/camera_ray.h?raw';
+import toneCurve from '../../../src/octavo/render/tone_curve.h?raw';
 import plainView from '../../../src/octavo/render/plain_view.h?raw';
 import surface from '../../../src/octavo/light/surface.h?raw';
 import smoothNormal from '../../../src/octavo/light/smooth_normal.h?raw';
 import shading from '../../../src/octavo/light/shade.h?raw';
 import cellRank from '../../../src/octavo/attributes/cell_rank.h?raw';
 import cellValue from '../../../src/octavo/attributes/cell_value.h?raw';
+import srgb from '../../../src/octavo/attributes/srgb.h?raw';
 import cellLooks from '../../../src/octavo/attributes/cell_looks.h?raw';
 import skyRadiance from '../../../src/octavo/light/sky_radiance.h?raw';
 import cellLight from '../../../src/octavo/light/cell_light.h?raw';
@@ -84,7 +86,7 @@ export interface Parts {
     anyLamp: boolean; // else suns only
 }
 
-const kLooks = [cells, cellRank, cellValue, cellLooks, looks];
+const kLooks = [cells, cellRank, cellValue, srgb, cellLooks, looks];
 const surfaceOf = ({ smooth }: Parts): string => (smooth ? smoothSurface : flatSurface);
 const looksOf = ({ cells }: Parts): string[] => (cells ? kLooks : [clayLooks]);
 const lampsOf = ({ anyLamp }: Parts): string[] => [lampTriangle, lampTexels, ...(anyLamp ? [lampLight, anyLamps] : [sunLamps])];
@@ -114,5 +116,5 @@ export function pickText(rowBits: number): string {
 }
 
 export function presentText(): string {
-    return kVersion + presentMain;
+    return kVersion + kPrecision + [sharedText, srgb, toneCurve, presentMain].join('\n');
 }

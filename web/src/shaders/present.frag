@@ -1,6 +1,5 @@
 // The mean of the samples, as a screen shows it: octavo::tone_map(). A picture of fewer pixels than
 // the canvas is stretched.
-precision highp float;
 precision highp sampler2D;
 uniform sampler2D sum;
 uniform float samples;
@@ -9,20 +8,11 @@ uniform bool tone_mapped;
 uniform vec2 canvas;
 layout(location = 0) out vec4 color;
 
-vec3 bend(vec3 x) {
-    const float shoulder = 0.6;
-    vec3 bent = 1.0 - (1.0 - shoulder) * exp((shoulder - x) / (1.0 - shoulder));
-    return mix(max(x, vec3(0.0)), bent, greaterThan(x, vec3(shoulder)));
-}
-
-vec3 to_srgb(vec3 x) {
-    vec3 curve = 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055;
-    return mix(curve, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
-}
-
 vec3 shown(ivec2 at) {
     vec3 mean = texelFetch(sum, clamp(at, ivec2(0), textureSize(sum, 0) - 1), 0).rgb / samples;
-    return tone_mapped ? to_srgb(bend(mean * exposure)) : mean;
+    if (!tone_mapped) return mean;
+    vec3 light = mean * exposure;
+    return vec3(tone_curve(light.x), tone_curve(light.y), tone_curve(light.z));
 }
 
 void main() {

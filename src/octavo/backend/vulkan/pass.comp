@@ -20,6 +20,7 @@
 
 #include "octavo/attributes/cell_rank.h"
 #include "octavo/attributes/cell_value.h"
+#include "octavo/attributes/srgb.h"
 
 #include "octavo/attributes/cell_looks.h"
 #include "octavo/light/sky_radiance.h"
