@@ -208,7 +208,7 @@ OCTAVO_FN void sky_pass(PixelJob job, uint i) {
     if (point.exists == 0) return;
     job.sky_seen.at[i] +=
         uint(sky_samples_seen(job.dag, surface_ray(point), point.face, point.normal, job.sky_radius,
-                              job.sky_stop, job.first, job.end, point.seed ^ 0x68bc21ebu));
+                              job.sky_stop, job.first, job.end, hemisphere_seed(point.seed)));
 }
 
 OCTAVO_FN void lamp_pass(PixelJob job, uint i) {

@@ -208,14 +208,10 @@ OCTAVO_FN Bundle seen_lamp_bundle(PlacedLamp lamp, SeenPlacedLamp seen) {
 // The times between which geometry may be on rays to the lamp ([K13] section 4): (t_min, t_max),
 // and nothing where t_min >= t_max.
 OCTAVO_FN vec2 lamp_interval(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen) {
-    Stop to_voxels;
-    to_voxels.height = 0;
-    to_voxels.cone = 0.0f;
-    to_voxels.time_before = 0.0f;
     Bundle bundle = seen_lamp_bundle(lamp, seen);
-    bundle.t_min = beam_start(dag, bundle, to_voxels);
+    bundle.t_min = beam_start(dag, bundle, stop_at_voxels());
     float t_max = bundle.t_min;
-    if (bundle.t_min < bundle.t_max) t_max = beam_end(dag, bundle, to_voxels);
+    if (bundle.t_min < bundle.t_max) t_max = beam_end(dag, bundle, stop_at_voxels());
     return vec2(bundle.t_min, t_max);
 }
 
@@ -226,10 +222,6 @@ OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, int
                           uint seed, int shadows, int beams) {
     vec2 light = vec2(0.0f);
     if (seen.dark != 0) return light;
-    Stop to_voxels;
-    to_voxels.height = 0;
-    to_voxels.cone = 0.0f;
-    to_voxels.time_before = 0.0f;
     vec2 interval = vec2(0.0f, 1e30f);
     if (shadows != 0 && beams != 0 && end - first >= kRaysForABeam)
         interval = lamp_interval(dag, lamp, seen);
@@ -238,8 +230,8 @@ OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, int
         if (!(one.light > 0.0f)) continue;
         one.ray.t_min = max(one.ray.t_min, interval.x);
         one.ray.t_max = min(one.ray.t_max, interval.y);
-        bool open =
-            shadows == 0 || !(one.ray.t_min < one.ray.t_max) || !trace_any(dag, one.ray, to_voxels);
+        bool open = shadows == 0 || !(one.ray.t_min < one.ray.t_max) ||
+                    !trace_any(dag, one.ray, stop_at_voxels());
         light += vec2(open ? one.light : 0.0f, one.light);
     }
     return light;

@@ -21,6 +21,14 @@ OCTAVO_FN uint pixel_seed(uint x, uint y, uint frame) {
     return mix_bits(x + mix_bits(y + mix_bits(frame)));
 }
 
+// The seeds of a pixel's rays to its n-th lamp, and of those over the hemisphere.
+OCTAVO_FN uint lamp_seed(uint pixel_seed, int n) {
+    return pixel_seed ^ (0x02e5be93u + 0x9e3779b9u * uint(n));
+}
+OCTAVO_FN uint hemisphere_seed(uint pixel_seed) {
+    return pixel_seed ^ 0x68bc21ebu;
+}
+
 OCTAVO_FN uint reverse_bits(uint x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
     x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);

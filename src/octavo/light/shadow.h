@@ -56,11 +56,6 @@ OCTAVO_FN GridRay lamp_ray(GridRay start, int face, LampPatch lamp, int i, uint 
     return shadow_ray(start, face, patch_direction(lamp, sample_2d(uint(i), seed)), lamp.t_end);
 }
 
-// The seed of a pixel's rays to its n-th lamp.
-OCTAVO_FN uint lamp_seed(uint pixel_seed, int n) {
-    return pixel_seed ^ (0x02e5be93u + 0x9e3779b9u * uint(n));
-}
-
 // The bundle of all rays whose directions lie in a box.
 OCTAVO_FN Bundle shadow_bundle(GridRay start, int face, vec3 low, vec3 high, float t_end) {
     // Some bits more, for the rounding of the rays.

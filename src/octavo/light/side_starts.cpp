@@ -137,7 +137,7 @@ SideStarts::SideStarts(const LitObject& object, const uvec3& cell, int direction
         shared::GridRay ray = face.start(place(i), 0);
         ray.dir = -vec3(before);
         ray.t_max = static_cast<float>(width);
-        const shared::GridHit hit = shared::trace_closest(dag, ray, {0, 0.0f, 0.0f});
+        const shared::GridHit hit = shared::trace_closest(dag, ray, shared::stop_at_voxels());
         if (hit.face != direction || shared::cell_exists(dag, ivec3(hit.path) + before, 0))
             continue;
         rays[static_cast<std::size_t>(count++)] = shared::leave_hit(ray, hit, vec3(before));

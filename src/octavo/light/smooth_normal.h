@@ -25,7 +25,7 @@ OCTAVO_FN vec3 smooth_normal_32(DagView dag, GridRay ray, GridHit hit) {
     for (int i = 0; i < kNormalRows; i += 1) occupied[i] = 0u;
     uint nodes[kPathCells];
     uint to_visit[kPathCells];
-    uvec2 leaf = uvec2(0u);
+    uvec2 mask = uvec2(0u);
     uint node = 0u;
     int child = 0;
     int height = dag.depth;
@@ -40,14 +40,10 @@ OCTAVO_FN vec3 smooth_normal_32(DagView dag, GridRay ray, GridHit hit) {
             all(greaterThan(inside + width, ivec3(0)))) {
             if (height == hit.height) {
                 occupied[inside.z * kNormalSide + inside.y] |= 1u << inside.x;
-            } else if (height > 2) {
-                children = dag_load(dag, node) & 255u;
-                nodes[height] = node;
-            } else if (height == 2) {
-                leaf = uvec2(dag_load(dag, node), dag_load(dag, node + 1u));
-                children = leaf_children(leaf);
             } else {
-                children = leaf_voxels(leaf, child);
+                nodes[height] = node;
+                if (height >= 2) mask = load_mask(dag, node, height);
+                children = children_of(mask, height, child);
             }
         }
         while (children == 0u && !done) {

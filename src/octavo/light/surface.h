@@ -21,22 +21,15 @@ OCTAVO_FN vec3 face_normal(GridRay ray, GridHit hit) {
 // Does this cell hold a voxel? False outside the grid.
 OCTAVO_FN bool cell_exists(DagView dag, ivec3 cell, int height) {
     if (any(notEqual(cell >> (dag.depth - height), ivec3(0)))) return false;
-    uint word = 0u;
-    uvec2 leaf = uvec2(0u);
+    uint node = 0u;
+    uvec2 mask = uvec2(0u);
     int child = 0;
     for (int h = dag.depth; h > height; h -= 1) {
-        uint children = 0u;
-        if (h > 2) {
-            children = dag_load(dag, word) & 255u;
-        } else if (h == 2) {
-            leaf = uvec2(dag_load(dag, word), dag_load(dag, word + 1u));
-            children = leaf_children(leaf);
-        } else {
-            children = leaf_voxels(leaf, child);
-        }
+        if (h >= 2) mask = load_mask(dag, node, h);
+        uint children = children_of(mask, h, child);
         child = child_number((cell >> (h - 1 - height)) & 1);
         if (((children >> child) & 1u) == 0u) return false;
-        if (h > 2) word = load_child(dag, word, 1u << child);
+        if (h > 2) node = load_child(dag, node, 1u << child);
     }
     return true;
 }
@@ -92,10 +85,6 @@ OCTAVO_FN float surface_lift() {
 // Moves a point off its face by this way, or as much of it as it can without ending inside a voxel:
 // in a crevice, where the point would be black. Where it cannot it stays on its face.
 OCTAVO_FN SurfacePoint lift_point(DagView dag, SurfacePoint point, vec3 way) {
-    Stop to_voxels;
-    to_voxels.height = 0;
-    to_voxels.cone = 0.0f;
-    to_voxels.time_before = 0.0f;
     for (int i = 0; i < 3; i += 1) {
         float part = i == 0 ? 1.0f : (i == 1 ? 0.6f : 0.3f);
         vec3 frac = exact_madd(part, way, point.frac);
@@ -105,7 +94,7 @@ OCTAVO_FN SurfacePoint lift_point(DagView dag, SurfacePoint point, vec3 way) {
         lifted.face = kFaceNone;
         GridRay inside = surface_ray(lifted);
         inside.t_max = 1e-4f;
-        if (!trace_any(dag, inside, to_voxels)) return lifted;
+        if (!trace_any(dag, inside, stop_at_voxels())) return lifted;
     }
     return point;
 }

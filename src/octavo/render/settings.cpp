@@ -35,8 +35,8 @@ RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& opt
                             options.lights.value_or(std::vector{default_sun(camera, options.up)}),
                             vec3(glm::normalize(options.up)),
                             0.0f,
-                            {0, 0.0f, 0.0f},
-                            {0, 0.0f, 0.0f},
+                            shared::stop_at_voxels(),
+                            shared::stop_at_voxels(),
                             camera.eye,
                             content};
     const double diagonal = content.empty() ? 1.0 : glm::length(content.size());

@@ -77,7 +77,7 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
 
     const auto trace_some = [&](std::size_t first, std::size_t end) {
         RayQueue sky_queue(dag, {0, static_cast<float>(options.ao_cone), 0.0f});
-        RayQueue lamp_queue(dag, {0, 0.0f, 0.0f}, partitions);
+        RayQueue lamp_queue(dag, shared::stop_at_voxels(), partitions);
         std::vector<float> all_light(end - first, 0.0f);  // that comes where nothing is in the way
         for (std::size_t i = first; i < end; ++i) {
             sky_queue.begin_group();
@@ -94,12 +94,12 @@ void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positio
                 shared::pixel_seed(number, static_cast<std::uint32_t>(i >> 32), options.frame);
             if (sky)
                 for (int n = 0; n < options.ao_samples; ++n)
-                    sky_queue.add(
-                        sky_ray(*start, shared::kFaceNone, normal, radius, n, seed ^ 0x68bc21ebu));
+                    sky_queue.add(sky_ray(*start, shared::kFaceNone, normal, radius, n,
+                                          shared::hemisphere_seed(seed)));
             if (shadows)
                 all_light[i - first] =
                     queue_lamp_rays({light, *start, shared::kFaceNone, normal, false}, 0,
-                                    options.shadow_samples, seed ^ 0x02e5be93u, lamp_queue);
+                                    options.shadow_samples, shared::lamp_seed(seed, 0), lamp_queue);
         }
         sky_queue.trace();
         lamp_queue.trace();

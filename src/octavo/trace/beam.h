@@ -20,8 +20,7 @@ struct Bundle {
     vec3 dir_high;
     float t_min;
     float t_max;
-    float
-        spread;  // cells narrower than t * spread are not opened: about the bundle's width at t = 1
+    float spread;  // about the bundle's width at t = 1: cells below t * spread are not opened
 };
 
 // Renumbers children from real to mirrored, or back.
@@ -44,7 +43,7 @@ OCTAVO_FN float beam_bound(DagView dag, Bundle beam, Stop stop, bool last) {
 
     uint nodes[kPathCells];
     uint to_visit[kPathCells];
-    uvec2 leaf = uvec2(0u);
+    uvec2 mask = uvec2(0u);
     uint node = 0u;
     ivec3 corner = ivec3(0);
     int height = dag.depth;
@@ -63,16 +62,11 @@ OCTAVO_FN float beam_bound(DagView dag, Bundle beam, Stop stop, bool last) {
         if (last ? max(enter, best) < leave : enter < min(leave, best)) {
             if (may_stop(stop, height, latest_entry) || float(1 << height) < enter * beam.spread) {
                 best = last ? leave : enter;
-            } else if (height > 2) {
-                children = dag_load(dag, node) & 255u;
-                nodes[height] = node;
-            } else if (height == 2) {
-                leaf = uvec2(dag_load(dag, node), dag_load(dag, node + 1u));
-                children = leaf_children(leaf);
             } else {
-                children = leaf_voxels(leaf, child);
+                nodes[height] = node;
+                if (height >= 2) mask = load_mask(dag, node, height);
+                children = mirror_children(children_of(mask, height, child), slow.down);
             }
-            children = mirror_children(children, slow.down);
         }
         while (children == 0u) {
             height += 1;

@@ -226,9 +226,9 @@ void Instances::trace_any(std::span<const shared::GridRay> rays, const shared::S
 
 bool Instances::trace_any(const shared::GridRay& ray) const {
     if (objects_.size() == 1 && frames_[0].same)
-        return shared::trace_any(shared::view(objects_[0].dag), ray, {0, 0.0f, 0.0f});
+        return shared::trace_any(shared::view(objects_[0].dag), ray, shared::stop_at_voxels());
     std::uint8_t occluded = 0;
-    trace_any(std::span(&ray, 1), {0, 0.0f, 0.0f}, std::span(&occluded, 1));
+    trace_any(std::span(&ray, 1), shared::stop_at_voxels(), std::span(&occluded, 1));
     return occluded != 0;
 }
 

@@ -45,6 +45,14 @@ struct Stop {
     float time_before;
 };
 
+OCTAVO_FN Stop stop_at_voxels() {
+    Stop stop;
+    stop.height = 0;
+    stop.cone = 0.0f;
+    stop.time_before = 0.0f;
+    return stop;
+}
+
 OCTAVO_FN bool may_stop(Stop stop, int height, float entry) {
     return height <= stop.height || float(1 << height) < (stop.time_before + entry) * stop.cone;
 }
@@ -105,6 +113,18 @@ OCTAVO_FN uint leaf_children(uvec2 leaf) {
 }
 OCTAVO_FN uint leaf_voxels(uvec2 leaf, int child) {
     return ((child < 4 ? leaf.x : leaf.y) >> (8 * (child & 3))) & 255u;
+}
+
+// What says which children a cell of height 2 or more has: its node's mask, or its leaf's words.
+OCTAVO_FN uvec2 load_mask(DagView dag, uint node, int height) {
+    return uvec2(dag_load(dag, node), height == 2 ? dag_load(dag, node + 1u) : 0u);
+}
+
+// The children of a cell that exist. Of height 1 it is child number `child` of the leaf whose words
+// `mask` still has.
+OCTAVO_FN uint children_of(uvec2 mask, int height, int child) {
+    if (height > 2) return mask.x & 255u;
+    return height == 2 ? leaf_children(mask) : leaf_voxels(mask, child);
 }
 
 OCTAVO_FN uint load_child(DagView dag, uint node, uint child_bit) {

@@ -22,7 +22,7 @@ vec4 shade(DagView dag, SurfacePoint point, CellLook look) {
     if (sky_samples > 0) {
         int seen = sky_samples_seen(dag, start, point.face, point.normal, sky_radius, to_voxels,
                                     sample_number * sky_samples, (sample_number + 1) * sky_samples,
-                                    point.seed ^ 0x68bc21ebu);
+                                    hemisphere_seed(point.seed));
         sky = float(seen) / float(sky_samples);
         rays += float(sky_samples);
     }
