@@ -47,7 +47,7 @@ OCTAVO_FN uint light_load(LightView light, uint word) {
 #include "octavo/attributes/srgb.h"
 
 #include "octavo/attributes/cell_looks.h"
-#include "octavo/light/cell_light.h"
+#include "octavo/light/cached_light.h"
 
 namespace octavo::shared {
 

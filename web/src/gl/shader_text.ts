@@ -18,7 +18,7 @@ import cellValue from '../../../src/octavo/attributes/cell_value.h?raw';
 import srgb from '../../../src/octavo/attributes/srgb.h?raw';
 import cellLooks from '../../../src/octavo/attributes/cell_looks.h?raw';
 import skyRadiance from '../../../src/octavo/light/sky_radiance.h?raw';
-import cellLight from '../../../src/octavo/light/cell_light.h?raw';
+import cachedLight from '../../../src/octavo/light/cached_light.h?raw';
 import lampTriangle from '../../../src/octavo/light/lamp_triangle.h?raw';
 import lampLight from '../../../src/octavo/light/lamp_light.h?raw';
 import lampTexels from '../shaders/lamps.glsl?raw';
@@ -100,7 +100,7 @@ export function viewsText(rowBits: number, parts: Parts): string {
 }
 
 export function storedText(rowBits: number, parts: Parts): string {
-    return assemble(rowBits, [...kTrace, shading, surfaceOf(parts), ...kLooks, cellLight, skyPixels, skyRadiance, storedMain]);
+    return assemble(rowBits, [...kTrace, shading, surfaceOf(parts), ...kLooks, cachedLight, skyPixels, skyRadiance, storedMain]);
 }
 
 export function previewText(rowBits: number): string {

@@ -33,7 +33,7 @@
 #include "octavo/light/shadow.h"
 #include "octavo/light/surface.h"
 
-#include "octavo/light/cell_light.h"
+#include "octavo/light/cached_light.h"
 #include "octavo/light/lamp_triangle.h"
 
 OCTAVO_ARRAY(LampTriangles, LampTriangle)

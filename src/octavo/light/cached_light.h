@@ -43,10 +43,6 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 toward
 OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRay surface,
                             SurfacePoint before, int face) {
     vec3 normal = before.normal;
-    Stop to_voxels;
-    to_voxels.height = 0;
-    to_voxels.cone = 0.0f;
-    to_voxels.time_before = 0.0f;
     int shift = dag.depth - cells.level;
     float width = float(1 << shift);
     vec3 at = (vec3(surface.cell) + surface.frac) / width - 0.5f * normal - 0.5f;
@@ -82,7 +78,7 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
                         (vec3(before.cell - ((before.cell >> shift) << shift)) + before.frac),
                     before.face);
                 ray.t_max = 1.0f;
-                if (trace_any(dag, ray, to_voxels)) continue;
+                if (trace_any(dag, ray, stop_at_voxels())) continue;
             }
             sums[axis] += weight * unpack_rgb9e5(word);
             weights[axis] += weight;
