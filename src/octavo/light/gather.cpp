@@ -11,9 +11,8 @@ namespace {
 
 constexpr float kPerPi = std::numbers::inv_pi_v<float>;
 
-// One sequence of random numbers for each purpose.
-constexpr std::uint32_t kLampSeed = 0x02e5be93u;
-constexpr std::uint32_t kAroundSeed = 0x68bc21ebu;
+// One sequence of random numbers for each purpose, beside shared::lamp_seed() and
+// shared::hemisphere_seed().
 constexpr std::uint32_t kSkySeed = 0x967a889bu;
 constexpr std::uint32_t kEmitterSeed = 0x368cc8b7u;
 constexpr std::uint32_t kEmitterChoiceSeed = 0x5bd1e995u;
@@ -32,7 +31,7 @@ Gatherer::Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays
 }
 
 std::size_t Gatherer::begin() {
-    if (any_.size() + closest_.size() >= kMostRays) trace();
+    if (to_light_.size() + looking_.size() >= kMostRays) trace();
     sums_.emplace_back(0.0f);
     if (keeps_hits_) kept_.push_back({0, {}, shared::make_miss(0.0f, 0)});
     if (keeps_sides_) kept_sides_.resize(sums_.size() * static_cast<std::size_t>(rays_.around));
@@ -59,46 +58,61 @@ void Gatherer::add_lamps(const LitPoint& point, int part, std::uint32_t seed) {
         const ivec2 some = share(rays_.lamp, part);
         const float scale = kPerPi / static_cast<float>(rays_.lamp);
         for (int i = some.x; i < some.y; ++i) {
-            const shared::LampSample ray = seen.ray(i, seed ^ (kLampSeed + 0x9e3779b9u * n));
+            const shared::LampSample ray =
+                seen.ray(i, shared::lamp_seed(seed, static_cast<int>(n)));
             if (!(ray.light > 0.0f)) continue;
             any_rays_.push_back(ray.ray);
-            any_.push_back({lamp.light().intensity * (ray.light * scale), 0.0f,
-                            static_cast<std::uint32_t>(sums_.size() - 1), 0, 0, kAround, 0});
+            to_light_.push_back({lamp.light().intensity * (ray.light * scale), last_sum()});
         }
     }
 }
 
 void Gatherer::add_around(const LitPoint& point, int part, std::uint32_t seed,
                           const KeptEnds* kept) {
-    const auto sum = static_cast<std::uint32_t>(sums_.size() - 1);
     const ivec2 some = share(rays_.around, part);
-    const float count = static_cast<float>(rays_.around);
+    const vec3 factor(1.0f / static_cast<float>(rays_.around));
     for (int i = some.x; i < some.y; ++i) {
-        const vec2 square = shared::sample_2d(static_cast<std::uint32_t>(i), seed ^ kAroundSeed);
+        const auto number = static_cast<std::uint32_t>(i);
+        const vec2 square = shared::sample_2d(number, shared::hemisphere_seed(seed));
         shared::GridRay ray = point.start;
         const vec3 direction = shared::cosine_direction(point.normal, square);
         ray.dir = shared::bend_outwards(direction, point.face);
-        const auto number = static_cast<std::uint32_t>(i);
         const auto end = kept ? kept->end(number, ray.dir) : KeptEnds::End::unknown;
         if (end == KeptEnds::End::dark) continue;
         if (end == KeptEnds::End::open) {
             if (has(from_, LightFrom::sources))
-                closest_.push_back({vec3(1.0f / count) * world_.scene().sky.radiance(ray.dir), 0.0f,
-                                    sum, number, kNoRay, kAround, 0});
+                looking_.push_back({.light = factor * world_.scene().sky.radiance(ray.dir),
+                                    .sum = last_sum(),
+                                    .open = true});
             continue;
         }
-        const float cosine = glm::dot(direction, point.normal);
-        closest_.push_back({vec3(1.0f / count), cosine * kPerPi, sum, number,
-                            static_cast<std::uint32_t>(closest_rays_.size()), kAround, 0});
+        looking_.push_back({.light = factor,
+                            .sum = last_sum(),
+                            .number = number,
+                            .density = glm::dot(direction, point.normal) * kPerPi});
         closest_rays_.push_back(ray);
     }
+}
+
+/// How much a ray towards a source counts, with its cosine: one over the hemisphere may meet the
+/// same. @param density  of its direction
+float Gatherer::source_weight(float cosine, float density) const {
+    const float source = static_cast<float>(rays_.source);
+    const float around = static_cast<float>(rays_.around);
+    return cosine * kPerPi / (source * density + around * cosine * kPerPi);
+}
+
+/// How much a ray over the hemisphere counts that met a source.
+/// @param density, source_density  of its direction among both kinds of rays
+float Gatherer::around_weight(float density, float source_density) const {
+    const float source = static_cast<float>(rays_.source);
+    const float around = static_cast<float>(rays_.around);
+    return around * density / (around * density + source * source_density);
 }
 
 void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
     const Sky& sky = world_.scene().sky;
     const ivec2 some = share(rays_.source, part);
-    const float count = static_cast<float>(rays_.source);
-    const float around = static_cast<float>(rays_.around);
     for (int i = some.x; i < some.y; ++i) {
         const SkySample sample =
             sky.sample(shared::sample_2d(static_cast<std::uint32_t>(i), seed ^ kSkySeed));
@@ -106,17 +120,14 @@ void Gatherer::add_sky(const LitPoint& point, int part, std::uint32_t seed) {
         if (!(cosine > 0.0f) || !(sample.density > 0.0f)) continue;
         shared::GridRay ray = point.start;
         ray.dir = shared::bend_outwards(sample.direction, point.face);
-        const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
+        const float weight = source_weight(cosine, sample.density);
         any_rays_.push_back(ray);
-        any_.push_back({weight * sky.radiance(sample.direction), 0.0f,
-                        static_cast<std::uint32_t>(sums_.size() - 1), 0, 0, kAround, 0});
+        to_light_.push_back({weight * sky.radiance(sample.direction), last_sum()});
     }
 }
 
 void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed) {
     const ivec2 some = share(rays_.source, part);
-    const float count = static_cast<float>(rays_.source);
-    const float around = static_cast<float>(rays_.around);
     const dvec3 from = point.position();
     for (int i = some.x; i < some.y; ++i) {
         const auto number = static_cast<std::uint32_t>(i);
@@ -127,33 +138,33 @@ void Gatherer::add_emitters(const LitPoint& point, int part, std::uint32_t seed)
         if (!(cosine > 0.0f)) continue;
         shared::GridRay ray = point.start;
         ray.dir = shared::bend_outwards(sample.direction, point.face);
-        const float weight = cosine * kPerPi / (count * sample.density + around * cosine * kPerPi);
-        closest_.push_back({vec3(weight), 0.0f, static_cast<std::uint32_t>(sums_.size() - 1), 0,
-                            static_cast<std::uint32_t>(closest_rays_.size()), sample.object,
-                            sample.cell});
+        const float weight = source_weight(cosine, sample.density);
+        looking_.push_back({.light = vec3(weight),
+                            .sum = last_sum(),
+                            .emitter_object = sample.object,
+                            .emitter_cell = sample.cell});
         closest_rays_.push_back(ray);
     }
 }
 
-vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit) {
+vec3 Gatherer::found(const LookingRay& looking, const shared::GridRay& ray,
+                     const InstanceHit& hit) {
     const bool sources = has(from_, LightFrom::sources);
-    if (w.emitter_object != kAround) {
-        if (!hit || hit.object != w.emitter_object) return vec3(0.0f);
+    if (!looking.around()) {
+        if (!hit || hit.object != looking.emitter_object) return vec3(0.0f);
         const CellSide side = world_.side(hit);
-        return side.cell == w.emitter_cell ? world_.emission(side) : vec3(0.0f);
+        return side.cell == looking.emitter_cell ? world_.emission(side) : vec3(0.0f);
     }
-    const float around = static_cast<float>(rays_.around);
-    const float source = static_cast<float>(rays_.source);
-    MetSide* const kept = keeps_sides_
-                              ? &kept_sides_[w.sum * static_cast<std::size_t>(rays_.around) + w.ray]
-                              : nullptr;
+    MetSide* const kept =
+        keeps_sides_
+            ? &kept_sides_[looking.sum * static_cast<std::size_t>(rays_.around) + looking.number]
+            : nullptr;
     if (kept) kept->traced = true;
     if (!hit) {
         if (!sources) return vec3(0.0f);
         const Sky& sky = world_.scene().sky;
-        float weight = 1.0f;
-        if (sky.uneven())
-            weight = around * w.density / (around * w.density + source * sky.density(ray.dir));
+        const float weight =
+            sky.uneven() ? around_weight(looking.density, sky.density(ray.dir)) : 1.0f;
         return weight * sky.radiance(ray.dir);
     }
     const CellSide side = world_.side(hit);
@@ -163,7 +174,7 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
         const vec3 emission = world_.emission(side);
         if (emission != vec3(0.0f)) {
             const float density = world_.emitters().density(origin_of(ray), side.object, side.cell);
-            light += around * w.density / (around * w.density + source * density) * emission;
+            light += around_weight(looking.density, density) * emission;
         }
     }
     if (has(from_, LightFrom::cells)) light += world_.albedo(side) * world_.stored_light(hit, side);
@@ -172,104 +183,27 @@ vec3 Gatherer::found(const Waiting& w, const shared::GridRay& ray, const Instanc
 
 void Gatherer::trace() {
     occluded_.resize(any_rays_.size());
-    world_.instances().trace_any(any_rays_, {0, 0.0f, 0.0f}, occluded_);
-    for (std::size_t i = 0; i < any_.size(); ++i)
-        if (occluded_[i] == 0) sums_[any_[i].sum] += any_[i].light;
+    world_.instances().trace_any(any_rays_, shared::stop_at_voxels(), occluded_);
+    for (std::size_t i = 0; i < to_light_.size(); ++i)
+        if (occluded_[i] == 0) sums_[to_light_[i].sum] += to_light_[i].light;
     hits_.resize(closest_rays_.size());
-    world_.instances().trace_closest(closest_rays_, {0, 0.0f, 0.0f}, hits_);
-    for (std::size_t i = 0; keeps_hits_ && i < closest_.size(); ++i)
-        if (closest_[i].emitter_object == kAround) kept_[closest_[i].sum] = hits_[i];
-    for (const Waiting& w : closest_)
-        sums_[w.sum] +=
-            w.at == kNoRay ? w.light : w.light * found(w, closest_rays_[w.at], hits_[w.at]);
+    world_.instances().trace_closest(closest_rays_, shared::stop_at_voxels(), hits_);
+    std::size_t next = 0;
+    for (const LookingRay& looking : looking_) {
+        if (looking.open) {
+            sums_[looking.sum] += looking.light;
+            continue;
+        }
+        const InstanceHit& hit = hits_[next];
+        if (keeps_hits_ && looking.around()) kept_[looking.sum] = hit;
+        sums_[looking.sum] += looking.light * found(looking, closest_rays_[next], hit);
+        ++next;
+    }
     traced_ += any_rays_.size() + closest_rays_.size();
     any_rays_.clear();
     closest_rays_.clear();
-    any_.clear();
-    closest_.clear();
-}
-
-LampGatherer::LampGatherer(const LitWorld& world, int rays, int parts)
-    : world_(world), rays_(round_up(rays, parts)), parts_(parts) {}
-
-std::size_t LampGatherer::begin() {
-    sums_.emplace_back(0.0f);
-    first_pair_ = pairs_.size();
-    first_point_ = points_.size();
-    return sums_.size() - 1;
-}
-
-void LampGatherer::add(const LitPoint& point, std::uint32_t seed) {
-    points_.push_back(point);
-    for (const std::uint32_t lamp : world_.lamps_near(point.position())) {
-        std::size_t at = first_pair_;
-        while (at < pairs_.size() && pairs_[at].lamp != lamp) ++at;
-        if (at == pairs_.size())
-            pairs_.push_back({.sum = static_cast<std::uint32_t>(sums_.size() - 1),
-                              .lamp = lamp,
-                              .first_point = static_cast<std::uint32_t>(first_point_),
-                              .points = 0,
-                              .seed = seed});
-    }
-    for (std::size_t at = first_pair_; at < pairs_.size(); ++at)
-        pairs_[at].points = static_cast<std::uint32_t>(points_.size() - first_point_);
-}
-
-/// Queues the rays of a lamp, as evenly from the points as their number allows.
-void LampGatherer::queue(std::uint32_t number, int rays) {
-    Pair& pair = pairs_[number];
-    const Lamp& lamp = world_.lamps()[pair.lamp];
-    pair.sent = pair.seen = 0;
-    pair.light = 0.0f;
-    pair.few = rays < rays_;
-    const float scale = kPerPi / static_cast<float>(rays);
-    for (std::uint32_t k = 0; k < pair.points; ++k) {
-        const LitPoint& point = points_[pair.first_point + k];
-        const SeenLamp seen(lamp, point.start, point.face, point.normal, false);
-        if (seen.dark()) continue;
-        const int each = rays / static_cast<int>(pair.points);
-        for (int i = static_cast<int>(k) * each; i < (static_cast<int>(k) + 1) * each; ++i) {
-            const shared::LampSample ray =
-                seen.ray(i, pair.seed ^ (kLampSeed + 0x9e3779b9u * pair.lamp));
-            if (!(ray.light > 0.0f)) continue;
-            ++pair.sent;
-            queue_.push_back(ray.ray);
-            pair_of_.push_back(number);
-            light_of_.push_back(ray.light * scale);
-        }
-    }
-}
-
-void LampGatherer::trace_queue() {
-    occluded_.resize(queue_.size());
-    world_.instances().trace_any(queue_, {0, 0.0f, 0.0f}, occluded_);
-    for (std::size_t i = 0; i < queue_.size(); ++i) {
-        if (occluded_[i] != 0) continue;
-        ++pairs_[pair_of_[i]].seen;
-        pairs_[pair_of_[i]].light += light_of_[i];
-    }
-    traced_ += queue_.size();
-    queue_.clear();
-    pair_of_.clear();
-    light_of_.clear();
-}
-
-void LampGatherer::trace() {
-    const auto count = static_cast<std::uint32_t>(pairs_.size());
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const Light::Kind kind = world_.lamps()[pairs_[i].lamp].light().kind;
-        const bool all_alike =
-            kind == Light::Kind::sun || kind == Light::Kind::point || kind == Light::Kind::spot;
-        queue(i, all_alike ? parts_ : rays_);
-    }
-    trace_queue();
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const Pair& pair = pairs_[i];
-        if (pair.few && pair.seen != 0 && pair.seen != pair.sent) queue(i, rays_);
-    }
-    trace_queue();
-    for (const Pair& pair : pairs_)
-        sums_[pair.sum] += pair.light * world_.lamps()[pair.lamp].light().intensity;
+    to_light_.clear();
+    looking_.clear();
 }
 
 }  // namespace octavo

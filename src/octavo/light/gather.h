@@ -39,8 +39,7 @@ struct GatherRays {
 class Gatherer {
 public:
     /// @param parts  over how many points the rays of each sum are shared out; counts are rounded
-    /// up
-    ///               to multiples of it
+    ///               up to multiples of it
     Gatherer(const LitWorld& world, LightFrom from, const GatherRays& rays, int parts);
 
     /// Begins a sum. @return its number, from 0
@@ -86,31 +85,44 @@ public:
     }
 
 private:
-    struct Waiting {  // what a ray brings if it meets nothing; or, of a closest ray, a factor
+    /// Brings its light unless it meets something.
+    struct RayToLight {
         vec3 light;
-        float density;  // of the direction by the cosine, and for a source ray by its choice
         std::uint32_t sum;
-        std::uint32_t ray;             // over the hemisphere: its number
-        std::uint32_t at;              // of the rays that are traced; kNoRay: it brings the light
-        std::uint32_t emitter_object;  // of a ray towards a cell that shines; else kAround
-        std::uint64_t emitter_cell;
     };
-    static constexpr std::uint32_t kAround = 0xffffffffu;
-    static constexpr std::uint32_t kNoRay = 0xffffffffu;
+    /// A ray over the hemisphere, or towards a cell that shines.
+    struct LookingRay {
+        static constexpr std::uint32_t kAround = 0xffffffffu;
+
+        vec3 light;  // a factor of what it finds; where it is open, what it brings
+        std::uint32_t sum = 0;
+        bool open = false;         // around: known to meet nothing, and not traced
+        std::uint32_t number = 0;  // around: of those over the hemisphere
+        float density = 0.0f;      // around: of its direction, by the cosine
+        std::uint32_t emitter_object = kAround;
+        std::uint64_t emitter_cell = 0;
+
+        [[nodiscard]] bool around() const { return emitter_object == kAround; }
+    };
     static constexpr std::size_t kMostRays = 8192;
 
+    [[nodiscard]] ivec2 share(int count, int part) const {
+        return {count / parts_ * part, count / parts_ * (part + 1)};
+    }
+    [[nodiscard]] std::uint32_t last_sum() const {
+        return static_cast<std::uint32_t>(sums_.size() - 1);
+    }
     void add_lamps(const LitPoint& point, int part, std::uint32_t seed);
     void add_around(const LitPoint& point, int part, std::uint32_t seed, const KeptEnds* kept);
     void add_sky(const LitPoint& point, int part, std::uint32_t seed);
     void add_emitters(const LitPoint& point, int part, std::uint32_t seed);
-    [[nodiscard]] vec3 found(const Waiting& w, const shared::GridRay& ray, const InstanceHit& hit);
+    [[nodiscard]] float source_weight(float cosine, float density) const;
+    [[nodiscard]] float around_weight(float density, float source_density) const;
+    [[nodiscard]] vec3 found(const LookingRay& looking, const shared::GridRay& ray,
+                             const InstanceHit& hit);
 
     const LitWorld& world_;
     LightFrom from_;
-    [[nodiscard]] ivec2 share(int count, int part) const {
-        return {count / parts_ * part, count / parts_ * (part + 1)};
-    }
-
     GatherRays rays_;
     int parts_;
     bool keeps_hits_ = false;
@@ -118,57 +130,12 @@ private:
     std::vector<InstanceHit> kept_;
     std::vector<MetSide> kept_sides_;  // as many for each sum as rays go around
     std::vector<vec3> sums_;
-    std::vector<shared::GridRay> any_rays_, closest_rays_;
-    std::vector<Waiting> any_, closest_;
+    std::vector<RayToLight> to_light_;
+    std::vector<LookingRay> looking_;
+    std::vector<shared::GridRay> any_rays_;      // of to_light_
+    std::vector<shared::GridRay> closest_rays_;  // of looking_, but for those that are open
     std::vector<std::uint8_t> occluded_;
     std::vector<InstanceHit> hits_;
-    std::uint64_t traced_ = 0;
-};
-
-/// Finds the light of lamps that falls on the sides of cells: one thread's.
-///
-/// A sun, a point or a spot first gets one ray from each place of a side. Only where these do not
-/// agree, in the half-shadow, are all rays sent.
-class LampGatherer {
-public:
-    /// @param rays   towards each lamp of a sum, rounded up to a multiple of `parts`
-    /// @param parts  as of Gatherer
-    LampGatherer(const LitWorld& world, int rays, int parts);
-
-    /// Begins a sum. @return its number, from 0
-    std::size_t begin();
-    /// Adds a point to the last sum; at most `parts` of them.
-    /// @param seed  of the sum's random numbers
-    void add(const LitPoint& point, std::uint32_t seed);
-    /// Traces what is waiting. Call it before light().
-    void trace();
-    [[nodiscard]] vec3 light(std::size_t sum) const { return sums_[sum]; }
-    [[nodiscard]] std::uint64_t rays_traced() const { return traced_; }
-
-private:
-    /// A lamp that a sum may see.
-    struct Pair {
-        std::uint32_t sum, lamp;
-        std::uint32_t first_point, points;  // of the sum
-        std::uint32_t seed;
-        int sent = 0, seen = 0;
-        float light = 0.0f;
-        bool few = false;
-    };
-    void queue(std::uint32_t pair, int rays);
-    void trace_queue();
-
-    const LitWorld& world_;
-    int rays_, parts_;
-    std::vector<vec3> sums_;
-    std::vector<LitPoint> points_;
-    std::vector<Pair> pairs_;
-    std::size_t first_pair_ = 0;   // of the last sum
-    std::size_t first_point_ = 0;  // of the last sum
-    std::vector<shared::GridRay> queue_;
-    std::vector<std::uint32_t> pair_of_;
-    std::vector<float> light_of_;
-    std::vector<std::uint8_t> occluded_;
     std::uint64_t traced_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
 #include "octavo/light/gather.h"
+#include "octavo/light/gather_lamps.h"
 #include "octavo/light/side_starts.h"
 
 namespace octavo {
