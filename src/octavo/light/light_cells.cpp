@@ -10,12 +10,13 @@
 
 #include <algorithm>
 #include <array>
-#include <mutex>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/parallel.h"
+#include "octavo/core/progress_counter.h"
 #include "octavo/light/change_reach.h"
 #include "octavo/light/side_light.h"
 
@@ -33,7 +34,7 @@ public:
         start_report(static_cast<std::uint64_t>(sides_.passes()) + 1);
         with_threads(options_.threads, [&] {
             for (ObjectLight& o : sides_.objects()) {
-                for_blocks(o, {}, [&](const SideBlock& block) {
+                for_blocks(o, {}, [&](const SideBlock& block, std::size_t) {
                     sides_.gather_lamps(o, block);
                     sides_.gather_around(o, block);
                     sides_.write(o, block, 0);
@@ -44,7 +45,7 @@ public:
             for (int bounce = 1; bounce <= sides_.passes(); ++bounce) {
                 const SideLight::Sent sent = sides_.sent_before(bounce);
                 for (ObjectLight& o : sides_.objects())
-                    for_blocks(o, {}, [&](const SideBlock& block) {
+                    for_blocks(o, {}, [&](const SideBlock& block, std::size_t) {
                         sides_.reflect(o, block, bounce, sent);
                         sides_.write(o, block, bounce);
                     });
@@ -115,14 +116,15 @@ private:
     /// For each object and block 1 or 0; empty: none.
     using Flags = std::vector<std::vector<std::uint8_t>>;
 
+    /// Calls work(block, number) for some of an object's blocks. @param some  empty: for all
     template <class Work>
     void for_blocks(ObjectLight& o, const std::vector<std::uint8_t>& some, const Work& work) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, o.blocks.size(), 1),
                           [&](const auto& range) {
                               for (std::size_t b = range.begin(); b != range.end(); ++b) {
                                   if (!some.empty() && some[b] == 0) continue;
-                                  work(o.blocks[b]);
-                                  add_progress(o.blocks[b].end - o.blocks[b].first);
+                                  work(o.blocks[b], b);
+                                  progress_->add(o.blocks[b].end - o.blocks[b].first);
                               }
                           });
     }
@@ -140,10 +142,9 @@ private:
                     const bool near = reaches(light, box);
                     some[b] = some[b] != 0 || near ? 1 : 0;
                 }
-            for_blocks(o, some, [&](const SideBlock& block) {
+            for_blocks(o, some, [&](const SideBlock& block, std::size_t b) {
                 sides_.gather_lamps(o, block);
-                flux[static_cast<std::size_t>(&block - o.blocks.data())] =
-                    sides_.write(o, block, 0);
+                flux[b] = sides_.write(o, block, 0);
             });
             changes.push_back(std::move(flux));
         }
@@ -182,8 +183,7 @@ private:
             hold.resize(o.blocks.size(), 0);
             const std::vector<std::uint8_t> held =
                 std::exchange(hold, Flags::value_type(hold.size(), 0));
-            for_blocks(o, some, [&](const SideBlock& block) {
-                const auto b = static_cast<std::size_t>(&block - o.blocks.data());
+            for_blocks(o, some, [&](const SideBlock& block, std::size_t b) {
                 if (shaded[b] != 0) sides_.gather_lamps(o, block);
                 if (around[b] != 0) {
                     if (can_keep && held[b] != 0 && o.object != moved.object)
@@ -234,8 +234,9 @@ private:
                 }
                 some[b] = bound > options_.tolerance ? 1 : 0;
             });
-            for_blocks(o, some,
-                       [&](const SideBlock& block) { sides_.reflect(o, block, bounce, sent); });
+            for_blocks(o, some, [&](const SideBlock& block, std::size_t) {
+                sides_.reflect(o, block, bounce, sent);
+            });
             // Blocks whose direct light alone changed have another sum too.
             tbb::parallel_for(std::size_t{0}, o.blocks.size(), [&](std::size_t b) {
                 flux[b] = sides_.write(o, o.blocks[b], bounce);
@@ -248,25 +249,16 @@ private:
     void start_report(std::uint64_t passes) {
         report_ = {};
         sides_.start_counting();
-        done_ = next_ = total_ = 0;
         for (const ObjectLight& o : sides_.objects()) {
             report_.cells += scene_.objects[o.object].attributes.cells().count();
             report_.sides += o.sides.size();
         }
-        total_ = report_.sides * passes;
+        progress_.emplace(options_.progress, "light", report_.sides * passes);
     }
     LightReport finish_report() {
         report_.sides_done = sides_.sides_done();
         report_.rays = sides_.rays();
         return report_;
-    }
-    void add_progress(std::uint64_t sides) {
-        if (!options_.progress) return;
-        const std::lock_guard lock(mutex_);
-        done_ += sides;
-        if (done_ < next_ && done_ != total_) return;
-        next_ = done_ + total_ / 200;
-        report(options_.progress, {"light", done_, total_});
     }
 
     LitScene& scene_;
@@ -275,8 +267,7 @@ private:
     Flags rows_hold_;  // where what rays met is what they meet in the world as it is
 
     LightReport report_;
-    std::mutex mutex_;
-    std::uint64_t done_ = 0, next_ = 0, total_ = 0;
+    std::optional<ProgressCounter> progress_;
 };
 
 CellLighter::CellLighter(LitScene& scene, const LightOptions& options)

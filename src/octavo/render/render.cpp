@@ -4,24 +4,18 @@
 // section 4, on neutral clay.
 #include "octavo/render/render.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "octavo/core/parallel.h"
 #include "octavo/light/lamp.h"
 #include "octavo/light/light_grid.h"
 #include "octavo/light/normal_cache.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
+#include "octavo/render/tiles.h"
 #include "octavo/render/visibility.h"
 #include "octavo/trace/partitions.h"
 #include "octavo/trace/ray_queue.h"
@@ -29,8 +23,6 @@
 
 namespace octavo {
 namespace {
-
-constexpr int kTile = 8;  // pixels; [K13] uses beams of 8x8
 
 /// All that the pixels of one picture have in common.
 class Picture {
@@ -50,14 +42,12 @@ public:
         for (const Light& light : settings_.lights) lamps_.emplace_back(light, grid);
     }
 
-    void draw_tile(int x0, int y0, NormalCache& normals, Image& image) const {
-        const int x1 = std::min(x0 + kTile, options_.width);
-        const int y1 = std::min(y0 + kTile, options_.height);
+    void draw_tile(const PictureTile& at, NormalCache& normals, Image& image) const {
         float start = 0.0f;
         if (options_.beam && !options_.primary)
-            if (const auto beam = settings_.rays.bundle(x0, y0, x1, y1))
+            if (const auto beam = settings_.rays.bundle(at.low.x, at.low.y, at.high.x, at.high.y))
                 start = beam_start_wide(whole_dag_, *beam, settings_.primary_stop, walk_);
-        Tile tile(*this, normals, x0, y0, x1, y1);
+        Tile tile(*this, at, normals);
         for (int i = 0; i < options_.samples; ++i) {
             trace_primary(tile, i, start);
             if (options_.primary) ask_for_surface(tile);
@@ -90,12 +80,12 @@ private:
 
     /// What the pixels of a tile share, for one sample of each at a time.
     struct Tile {
-        Tile(const Picture& p, NormalCache& thread_normals, int x0, int y0, int x1, int y1)
+        Tile(const Picture& p, const PictureTile& at, NormalCache& thread_normals)
             : normals(thread_normals),
               queue_of_lamp(p.lamps_.size(), kNoQueue),
               sky_queue(p.whole_dag_, p.settings_.ao_stop, nullptr, p.walk_) {
-            for (int y = y0; y < y1; ++y)
-                for (int x = x0; x < x1; ++x) {
+            for (int y = at.low.y; y < at.high.y; ++y)
+                for (int x = at.low.x; x < at.high.x; ++x) {
                     pixels.emplace_back(x, y);
                     seeds.push_back(shared::pixel_seed(static_cast<std::uint32_t>(x),
                                                        static_cast<std::uint32_t>(y),
@@ -216,8 +206,8 @@ private:
             const ivec2 some = share(options_.ao_samples, options_.samples, i);
             w.sky_rays = some.y - some.x;
             for (int n = some.x; n < some.y; ++n)
-                tile.sky_queue.add(
-                    sky_ray(start, face, normal, settings_.ao_radius, n, seed ^ 0x68bc21ebu));
+                tile.sky_queue.add(sky_ray(start, face, normal, settings_.ao_radius, n,
+                                           shared::hemisphere_seed(seed)));
         }
         const bool soft = options_.shadows == Shadows::soft;
         const ivec2 some =
@@ -242,8 +232,7 @@ private:
         std::size_t& queue = tile.queue_of_lamp[lamp];
         if (queue == Tile::kNoQueue) {
             queue = tile.lamp_queues.size();
-            tile.lamp_queues.emplace_back(whole_dag_, shared::Stop{0, 0.0f, 0.0f}, partitions_,
-                                          walk_);
+            tile.lamp_queues.emplace_back(whole_dag_, shared::stop_at_voxels(), partitions_, walk_);
         }
         return tile.lamp_queues[queue];
     }
@@ -300,29 +289,6 @@ private:
     WideWalk walk_;
 };
 
-/// Counts finished pixels and tells about them, one thread at a time.
-class Reporter {
-public:
-    Reporter(const ProgressFunction& function, std::uint64_t total)
-        : function_(function), total_(total) {}
-
-    void add(std::uint64_t pixels) {
-        if (!function_) return;
-        const std::lock_guard lock(mutex_);
-        done_ += pixels;
-        if (done_ < next_ && done_ < total_) return;
-        next_ = done_ + total_ / 200;
-        report(function_, {"render", done_, total_});
-    }
-
-private:
-    const ProgressFunction& function_;
-    std::mutex mutex_;
-    std::uint64_t done_ = 0;
-    std::uint64_t next_ = 0;
-    std::uint64_t total_;
-};
-
 }  // namespace
 
 Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
@@ -332,25 +298,10 @@ Image render(const Dag& dag, const Grid& grid, const RenderOptions& options) {
                           !options.wide ? nullptr
                           : own         ? &*own
                                         : options.partitions);
-    Image image(options.width, options.height);
-    tbb::enumerable_thread_specific<NormalCache> normals;
-    Reporter reporter(options.progress, image.color.size());
-    const int columns = (options.width + kTile - 1) / kTile;
-    const int rows = (options.height + kTile - 1) / kTile;
-    with_threads(options.threads, [&] {
-        tbb::parallel_for(
-            tbb::blocked_range<int>(0, columns * rows, 4),
-            [&](const tbb::blocked_range<int>& tiles) {
-                for (int t = tiles.begin(); t != tiles.end(); ++t) {
-                    const int x = t % columns * kTile;
-                    const int y = t / columns * kTile;
-                    picture.draw_tile(x, y, normals.local(), image);
-                    reporter.add(static_cast<unsigned>(std::min(kTile, options.width - x) *
-                                                       std::min(kTile, options.height - y)));
-                }
-            });
-    });
-    return image;
+    return draw_tiles<NormalCache>(
+        options, 200, [&](const PictureTile& tile, NormalCache& normals, Image& image) {
+            picture.draw_tile(tile, normals, image);
+        });
 }
 
 }  // namespace octavo

@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/render/render_lit.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <string>
 
 #include "octavo/core/error.h"
-#include "octavo/core/parallel.h"
 #include "octavo/light/cell_views.h"
 #include "octavo/light/gather.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
+#include "octavo/render/tiles.h"
 
 namespace octavo {
 namespace {
-
-constexpr int kTile = 8;
 
 /// From this bounce on, a path goes on with the probability of what it still carries.
 constexpr int kCertainBounces = 3;
@@ -43,12 +36,10 @@ public:
             counts_ = {options.samples, options.samples, options.samples, counts_.hard};
     }
 
-    void draw_tile(int x0, int y0, NormalCaches& normals, Image& image) const {
-        const int x1 = std::min(x0 + kTile, options_.width);
-        const int y1 = std::min(y0 + kTile, options_.height);
+    void draw_tile(const PictureTile& tile, NormalCaches& normals, Image& image) const {
         std::vector<Pixel> pixels;
-        for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x)
+        for (int y = tile.low.y; y < tile.high.y; ++y)
+            for (int x = tile.low.x; x < tile.high.x; ++x)
                 pixels.push_back({{x, y},
                                   shared::pixel_seed(static_cast<std::uint32_t>(x),
                                                      static_cast<std::uint32_t>(y), options_.frame),
@@ -67,7 +58,7 @@ public:
                 for (std::size_t k = 0; k < rays.size(); ++k)
                     hits[k] = {0, rays[k], shared::make_miss(1e30f, 0)};
             else
-                world_.instances().trace_closest(rays, {0, 0.0f, 0.0f}, hits);
+                world_.instances().trace_closest(rays, shared::stop_at_voxels(), hits);
             if (i == 0) write_depths(pixels, hits, image);
             for (std::size_t k = 0; k < pixels.size(); ++k)
                 pixels[k].sum +=
@@ -207,27 +198,13 @@ void check(const LitScene& scene, Lighting lighting, const RenderOptions& option
 Image render_lit(const LitScene& scene, Lighting lighting, const RenderOptions& options) {
     check(scene, lighting, options);
     const LitPicture picture(scene, lighting, options);
-    Image image(options.width, options.height);
-    tbb::enumerable_thread_specific<NormalCaches> normals;
-    const int columns = (options.width + kTile - 1) / kTile;
-    const int rows = (options.height + kTile - 1) / kTile;
-    std::mutex mutex;
-    std::uint64_t done = 0;
-    with_threads(options.threads, [&] {
-        tbb::parallel_for(tbb::blocked_range<int>(0, columns * rows, 4), [&](const auto& tiles) {
-            for (int t = tiles.begin(); t != tiles.end(); ++t) {
-                const int x = t % columns * kTile;
-                const int y = t / columns * kTile;
-                picture.draw_tile(x, y, normals.local(), image);
-                if (!options.progress) continue;
-                const std::lock_guard lock(mutex);
-                done += static_cast<std::uint64_t>(std::min(kTile, options.width - x) *
-                                                   std::min(kTile, options.height - y));
-                report(options.progress, {"render", done, image.color.size()});
-            }
+    // Paths take long: every tile is told of, so that the work can be stopped at once.
+    const auto every =
+        static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
+    return draw_tiles<NormalCaches>(
+        options, every, [&](const PictureTile& tile, NormalCaches& normals, Image& image) {
+            picture.draw_tile(tile, normals, image);
         });
-    });
-    return image;
 }
 
 }  // namespace octavo
