@@ -118,6 +118,7 @@ TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles
       most_parts_(wanted.is_on_disk() ? kMostPartsUnderCap
                                       : std::numeric_limits<std::size_t>::max()),
       glows_wanted_(wanted.emission && surfaces.greatest_emission() > 0.0f),
+      color_alone_(!wanted.normal && !(surfaces.greatest_emission() > 0.0f)),
       srgb8_(srgb8_of_linear16()),
       masks_(std::size_t{1} << 3 * std::max(0, tile_depth_ - 2)),
       firsts_(masks_.size()) {
@@ -358,43 +359,35 @@ void TileAverager::touch_bare_cells() {
     }
 }
 
-void TileAverager::write(std::uint32_t cell, TileValues& out) const {
-    const auto put = [&](Channel channel, std::uint32_t value) {
-        const auto c = static_cast<std::size_t>(channel);
-        if (kept_[c]) out[c][cell] = value;
-    };
-    const float greatest = surfaces_.greatest_emission();
-    const bool color_alone = !wanted_.normal && !(greatest > 0.0f);
-    const std::uint32_t first = cell - begin_;
-    const auto add_to = [&](Sum& sum, std::uint32_t p) {
-        sum.add(parts_[p], facets_[parts_[p].facet], glows_wanted_ ? glows_[p] : Glow());
-    };
-    if (parts_[first].next == kNone) {  // as in most cells
-        const Part& part = parts_[first];
-        Sum sum(color_alone);
-        if (!color_alone) add_to(sum, first);
-        Rgb8 color{};
-        for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[part.tint.color[i]];
-        put(Channel::color, pack_rgb8(color));
-        put(Channel::back, 0);
-        put(Channel::emission, sum.emission(greatest));
-        put(Channel::back_emission, 0);
-        put(Channel::normal, wanted_.normal ? pack_normal(sum.normal()) : 0);
-        put(Channel::back_normal, 0);
-        return;
-    }
+void TileAverager::add_to(Sum& sum, std::uint32_t part) const {
+    sum.add(parts_[part], facets_[parts_[part].facet], glows_wanted_ ? glows_[part] : Glow());
+}
+
+/// Of a cell of one part, as most are.
+TileAverager::Values TileAverager::values_of_one(std::uint32_t part) const {
+    Sum sum(color_alone_);
+    if (!color_alone_) add_to(sum, part);
+    Rgb8 color{};
+    for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[parts_[part].tint.color[i]];
+    return {.color = pack_rgb8(color),
+            .emission = sum.emission(surfaces_.greatest_emission()),
+            .normal = wanted_.normal ? pack_normal(sum.normal()) : 0};
+}
+
+/// Of the parts from this one on. The front is the way that most area faces: by main axes first,
+/// then exactly.
+TileAverager::Values TileAverager::values_of_several(std::uint32_t first) const {
     const auto for_parts = [&](const auto& visit) {
         for (std::uint32_t p = first; p != kNone; p = parts_[p].next)
             visit(p, facets_[parts_[p].facet]);
     };
-    // The front is the way that most area faces: by main axes first, then exactly.
     std::array<std::uint64_t, 6> facing{};
     bool one_way = true;
     for_parts([&](std::uint32_t p, const Facet& facet) {
         facing[static_cast<unsigned>(facet.facing)] += parts_[p].area;
         one_way = one_way && facet.facing == facets_[parts_[first].facet].facing;
     });
-    Sum front(color_alone), back(color_alone);
+    Sum front(color_alone_), back(color_alone_);
     std::uint32_t direction = 0;
     if (one_way) {
         for_parts([&](std::uint32_t p, const Facet&) { add_to(front, p); });
@@ -413,26 +406,36 @@ void TileAverager::write(std::uint32_t cell, TileValues& out) const {
             add_to(glm::dot(normal, towards) < kOpposed ? back : front, p);
         });
     }
-    const std::uint32_t color = front.color(srgb8_), emission = front.emission(greatest);
-    std::uint32_t back_value = 0, back_emission = emission;
-    std::uint32_t normal = wanted_.normal ? pack_normal(front.normal()) : 0, back_normal = 0;
-    if (back.area() > 0) {
-        const std::uint32_t back_color = back.color(srgb8_);
-        back_value = pack_back(back_color, direction);
-        back_emission = back.emission(greatest);
-        if (wanted_.normal) back_normal = pack_normal(back.normal());
-        // A second side that would look like the first is not kept.
-        const bool differs = (wanted_.color && back_color != color) ||
-                             (wanted_.emission && back_emission != emission) || wanted_.normal;
-        if (!differs) back_value = 0;
-    }
-    if (back_value == 0) back_emission = back_normal = 0;
-    put(Channel::color, color);
-    put(Channel::back, back_value);
-    put(Channel::emission, emission);
-    put(Channel::back_emission, back_emission);
-    put(Channel::normal, normal);
-    put(Channel::back_normal, back_normal);
+    const float greatest = surfaces_.greatest_emission();
+    Values values{.color = front.color(srgb8_),
+                  .emission = front.emission(greatest),
+                  .normal = wanted_.normal ? pack_normal(front.normal()) : 0};
+    if (back.area() == 0) return values;
+    const std::uint32_t back_color = back.color(srgb8_), back_emission = back.emission(greatest);
+    // A second side that would look like the first is not kept.
+    const bool differs = (wanted_.color && back_color != values.color) ||
+                         (wanted_.emission && back_emission != values.emission) || wanted_.normal;
+    if (!differs) return values;
+    values.back = pack_back(back_color, direction);
+    values.back_emission = back_emission;
+    if (wanted_.normal) values.back_normal = pack_normal(back.normal());
+    return values;
+}
+
+void TileAverager::write(std::uint32_t cell, TileValues& out) const {
+    const std::uint32_t first = cell - begin_;
+    const Values values =
+        parts_[first].next == kNone ? values_of_one(first) : values_of_several(first);
+    const auto put = [&](Channel channel, std::uint32_t value) {
+        const auto c = static_cast<std::size_t>(channel);
+        if (kept_[c]) out[c][cell] = value;
+    };
+    put(Channel::color, values.color);
+    put(Channel::back, values.back);
+    put(Channel::emission, values.emission);
+    put(Channel::back_emission, values.back_emission);
+    put(Channel::normal, values.normal);
+    put(Channel::back_normal, values.back_normal);
 }
 
 }  // namespace octavo

@@ -51,6 +51,11 @@ private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
     using Glow = std::array<std::uint32_t, 3>;
     class Sum;
+    struct Values {  // of a cell, one for each channel
+        std::uint32_t color = 0, back = 0;
+        std::uint32_t emission = 0, back_emission = 0;
+        std::uint32_t normal = 0, back_normal = 0;
+    };
 
     void find_cells(const CellRange& range);
     [[nodiscard]] std::uint32_t number_of(std::uint64_t code) const;
@@ -65,6 +70,9 @@ private:
     void add_part(std::uint32_t cell, std::uint32_t facet, std::uint64_t area, const Tint& tint,
                   const Glow& glow);
     void touch_bare_cells();
+    void add_to(Sum& sum, std::uint32_t part) const;
+    [[nodiscard]] Values values_of_one(std::uint32_t part) const;
+    [[nodiscard]] Values values_of_several(std::uint32_t first) const;
     void write(std::uint32_t cell, TileValues& out) const;
 
     const CellIndex& cells_;
@@ -80,6 +88,7 @@ private:
     std::array<bool, Attributes::kChannels> kept_;
     std::size_t most_parts_;  // at a time
     bool glows_wanted_;
+    bool color_alone_;                     // no normal, and nothing glows
     std::span<const std::uint8_t> srgb8_;  // of linear light in steps of 1/65535
 
     std::uint32_t begin_ = 0, end_ = 0;  // the cells that parts are kept of

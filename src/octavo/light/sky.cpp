@@ -76,6 +76,54 @@ Sky Sky::clear(const dvec3& up) {
     return gradient(kZenith, kHorizon, kGround, up);
 }
 
+/// How a picture's light is distributed. Every pixel keeps a thousandth of the mean, so that no
+/// direction is left out.
+std::shared_ptr<Sky::Picture> Sky::distribute(SkyImage image) {
+    auto picture = std::make_shared<Picture>();
+    const auto width = static_cast<std::size_t>(image.width);
+    const auto height = static_cast<std::size_t>(image.height);
+    picture->column_sums.resize((width + 1) * height);
+    picture->row_sums.resize(height + 1);
+    picture->density.resize(image.color.size());
+    double mean = 0.0;
+    for (const vec3& c : image.color) mean += static_cast<double>(luminance(c));
+    mean /= static_cast<double>(image.color.size());
+    const double least = mean > 0.0 ? 1e-3 * mean : 1.0;
+    const auto light_of = [&](std::size_t pixel) {
+        return std::max(static_cast<double>(luminance(image.color[pixel])), least);
+    };
+    std::vector<double> rows(height);
+    double total = 0.0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const double sine =
+            std::sin(std::numbers::pi * (static_cast<double>(y) + 0.5) / image.height);
+        const std::size_t first = y * width;
+        double sum = 0.0;
+        for (std::size_t x = 0; x < width; ++x) sum += light_of(first + x);
+        double so_far = 0.0;
+        float* sums = picture->column_sums.data() + y * (width + 1);
+        for (std::size_t x = 0; x < width; ++x) {
+            const double light = light_of(first + x);
+            picture->density[first + x] = static_cast<float>(light * sine);
+            so_far += light;
+            sums[x + 1] = static_cast<float>(so_far / sum);
+        }
+        sums[width] = 1.0f;
+        rows[y] = sum * sine;
+        total += sum * sine;
+    }
+    double so_far = 0.0;
+    for (std::size_t y = 0; y < height; ++y) {
+        so_far += rows[y];
+        picture->row_sums[y + 1] = static_cast<float>(so_far / total);
+    }
+    picture->row_sums.back() = 1.0f;
+    const auto pixels = static_cast<float>(image.color.size());
+    for (float& d : picture->density) d *= pixels / static_cast<float>(total);
+    picture->image = std::move(image);
+    return picture;
+}
+
 Sky Sky::image(SkyImage image, const dvec3& up, double turn) {
     if (image.width < 1 || image.height < 1 ||
         image.color.size() !=
@@ -93,51 +141,11 @@ Sky Sky::image(SkyImage image, const dvec3& up, double turn) {
     sky.view_.front = vec3(std::cos(turn) * front + std::sin(turn) * right);
     sky.view_.right = vec3(std::cos(turn) * right - std::sin(turn) * front);
 
-    auto picture = std::make_shared<Picture>();
-    const int w = image.width, h = image.height;
-    const auto width = static_cast<std::size_t>(w);
-    picture->column_sums.resize((width + 1) * static_cast<std::size_t>(h));
-    picture->row_sums.resize(static_cast<std::size_t>(h) + 1);
-    picture->density.resize(image.color.size());
-    // Every pixel keeps a thousandth of the mean, so that no direction is left out.
-    double mean = 0.0;
-    for (const vec3& c : image.color) mean += static_cast<double>(luminance(c));
-    mean /= static_cast<double>(image.color.size());
-    const double least = mean > 0.0 ? 1e-3 * mean : 1.0;
-    std::vector<double> rows(static_cast<std::size_t>(h));
-    double total = 0.0;
-    for (int y = 0; y < h; ++y) {
-        const double sine = std::sin(std::numbers::pi * (y + 0.5) / h);
-        const std::size_t first = static_cast<std::size_t>(y) * width;
-        double sum = 0.0;
-        for (std::size_t x = 0; x < width; ++x)
-            sum += std::max(static_cast<double>(luminance(image.color[first + x])), least);
-        double so_far = 0.0;
-        float* sums = picture->column_sums.data() + static_cast<std::size_t>(y) * (width + 1);
-        for (std::size_t x = 0; x < width; ++x) {
-            const double light =
-                std::max(static_cast<double>(luminance(image.color[first + x])), least);
-            picture->density[first + x] = static_cast<float>(light * sine);
-            so_far += light;
-            sums[x + 1] = static_cast<float>(so_far / sum);
-        }
-        sums[width] = 1.0f;
-        rows[static_cast<std::size_t>(y)] = sum * sine;
-        total += sum * sine;
-    }
-    double so_far = 0.0;
-    for (std::size_t y = 0; y < rows.size(); ++y) {
-        so_far += rows[y];
-        picture->row_sums[y + 1] = static_cast<float>(so_far / total);
-    }
-    picture->row_sums.back() = 1.0f;
-    const auto pixels = static_cast<float>(image.color.size());
-    for (float& d : picture->density) d *= pixels / static_cast<float>(total);
-    picture->image = std::move(image);
-    sky.view_.width = w;
-    sky.view_.height = h;
+    sky.view_.width = image.width;
+    sky.view_.height = image.height;
+    const std::shared_ptr<Picture> picture = distribute(std::move(image));
     sky.view_.pixels.at = picture->image.color.data();
-    sky.picture_ = std::move(picture);
+    sky.picture_ = picture;
     sky.find_harmonics();
     return sky;
 }

@@ -103,6 +103,7 @@ private:
     };
 
     [[nodiscard]] static shared::SkyView black_view();
+    [[nodiscard]] static std::shared_ptr<Picture> distribute(SkyImage image);
     void find_harmonics();
 
     shared::SkyView view_ = black_view();
