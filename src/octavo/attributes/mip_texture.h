@@ -96,8 +96,7 @@ public:
 
         /// Of one that is simple, 65535 times the same.
         /// @param texels  from the middle of the first texel, and kPeriods further on both ways;
-        /// not
-        ///                negative
+        ///                not negative
         [[nodiscard]] detail::FourFloats sample_simple(const glm::dvec2& texels) const;
         static constexpr double kPeriods = 1073741824.0;  // of any size
 

@@ -19,8 +19,7 @@ struct OctvWriteOptions {
 /// and replaces what was there. Equal models give equal bytes.
 ///
 /// @throws Error  io, the old file is then untouched; cancelled; bad_argument where the metadata
-/// does
-///                not describe the DAG
+///                does not describe the DAG
 /// Cost           the time to write; a few MiB of memory beside the model
 void write_octv(const std::filesystem::path& path, const Model& model,
                 const OctvWriteOptions& options = {});
