@@ -32,7 +32,7 @@ __global__ void fall(s::DagView dag, const float* positions, octavo::vec3 origin
     ray.dir = s::vec3(0.0f, -1.0f, 0.0f);
     ray.t_min = 0.0f;
     ray.t_max = 1e30f;
-    const s::GridHit hit = s::trace_closest(dag, ray, s::Stop{0, 0.0f, 0.0f});
+    const s::GridHit hit = s::trace_closest(dag, ray, s::stop_at_voxels());
     distances[i] = hit.face == s::kFaceNone ? -1.0f : hit.t;
 }
 
@@ -47,8 +47,7 @@ T* on_device(const std::vector<T>& values) {
 }  // namespace
 
 int main() try {
-    const octavo::BuildResult model =
-        octavo::build(octavo::make_sample("courtyard"), {.depth = 9});
+    const octavo::BuildResult model = octavo::build(octavo::make_sample("courtyard"), {.depth = 9});
     std::vector<float> positions, normals;
     const octavo::Box box = model.grid.bounds();
     for (int i = 0; i < kPoints; ++i) {
@@ -72,10 +71,9 @@ int main() try {
     options.shadow_samples = 16;
     options.ao_radius = 1.0;
     effects.visibility({d_positions, d_normals, 3, 3, kPoints}, options, d_shadow, d_ambient);
-    fall<<<kPoints / 128, 128, 0, stream>>>(effects.dag(), d_positions,
-                                            octavo::vec3(model.grid.origin),
-                                            static_cast<float>(1.0 / model.grid.voxel_size),
-                                            d_distances);
+    fall<<<kPoints / 128, 128, 0, stream>>>(
+        effects.dag(), d_positions, octavo::vec3(model.grid.origin),
+        static_cast<float>(1.0 / model.grid.voxel_size), d_distances);
     check(cudaGetLastError());
 
     std::vector<float> shadow(kPoints), ambient(kPoints), distances(kPoints);

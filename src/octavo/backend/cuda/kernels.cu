@@ -13,11 +13,11 @@ using shared::RayJob;
 static_assert(sizeof(PixelJob) <= 4096, "an argument of a kernel");
 
 // A kernel for each pass: a job is its argument, which lies in constant memory.
-#define OCTAVO_KERNEL(pass, Job)                                                             \
-    __global__ void __launch_bounds__(kBlockThreads)                                         \
-        pass##_kernel(const __grid_constant__ Job job, std::uint32_t threads) {              \
-        const std::uint32_t i = blockIdx.x * kBlockThreads + threadIdx.x;                    \
-        if (i < threads) shared::pass##_pass(job, i);                                        \
+#define OCTAVO_KERNEL(pass, Job)                                                \
+    __global__ void __launch_bounds__(kBlockThreads)                            \
+        pass##_kernel(const __grid_constant__ Job job, std::uint32_t threads) { \
+        const std::uint32_t i = blockIdx.x * kBlockThreads + threadIdx.x;       \
+        if (i < threads) shared::pass##_pass(job, i);                           \
     }
 OCTAVO_KERNEL(closest, RayJob)
 OCTAVO_KERNEL(any, RayJob)

@@ -33,7 +33,8 @@ public:
 
     template <typename Step>
     void for_each(std::uint32_t n, const Step& step) {
-        step_kernel<<<(n + kBlockThreads - 1) / kBlockThreads, kBlockThreads, 0, stream_>>>(step, n);
+        step_kernel<<<(n + kBlockThreads - 1) / kBlockThreads, kBlockThreads, 0, stream_>>>(step,
+                                                                                            n);
         memory_.check(cudaGetLastError());
     }
 
@@ -63,8 +64,8 @@ public:
 
     std::uint32_t value(const std::uint32_t* address) {
         std::uint32_t value = 0;
-        memory_.check(cudaMemcpyAsync(&value, address, sizeof(value), cudaMemcpyDeviceToHost,
-                                      stream_));
+        memory_.check(
+            cudaMemcpyAsync(&value, address, sizeof(value), cudaMemcpyDeviceToHost, stream_));
         memory_.check(cudaStreamSynchronize(stream_));
         return value;
     }
@@ -72,8 +73,7 @@ public:
 private:
     template <typename T>
     void copy(T* to, const T* from, std::uint32_t n) {
-        memory_.check(
-            cudaMemcpyAsync(to, from, sizeof(T) * n, cudaMemcpyDeviceToDevice, stream_));
+        memory_.check(cudaMemcpyAsync(to, from, sizeof(T) * n, cudaMemcpyDeviceToDevice, stream_));
     }
 
     template <typename Call>
