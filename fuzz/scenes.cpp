@@ -8,7 +8,8 @@
 
 #include "../apps/octavo/camera_path.h"
 #include "../apps/octavo/light_arguments.h"
-#include "../apps/octavo/lit_arguments.h"
+#include "../apps/octavo/scene_file.h"
+#include "../apps/octavo/sky_arguments.h"
 #include "folder.h"
 #include "octavo/render/render_lit.h"
 #include "promise.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "degrees.h"
 #include "octavo/core/grid.h"
 
 namespace octavo::cli {
@@ -104,6 +105,10 @@ std::array<double, 2> parse_angles(const std::string& text) {
     return angles;
 }
 
+double parse_number(const std::string& text) {
+    return parse_numbers<1>(text, "a number")[0];
+}
+
 double parse_positive(const std::string& text) {
     const double number = parse_numbers<1>(text, "a number of 0 or more")[0];
     if (number < 0.0 || number > kMaxFloat) refuse(text, "a number of 0 or more");
@@ -138,6 +143,23 @@ std::string decimal(double number) {
     char text[400];  // the largest has 309 digits
     const auto end = std::to_chars(text, text + sizeof text, number, std::chars_format::fixed).ptr;
     return {text, end};
+}
+
+void add_threads(CLI::App& command, int& threads, const std::string& description) {
+    command.add_option("--threads", threads, description)->type_name("N")->check(within(0, 4096));
+}
+
+void add_force(CLI::App& command, bool& force, const std::string& description) {
+    command.add_flag("-f,--force", force, description);
+}
+
+void add_quiet(CLI::App& command, bool& quiet) {
+    command.add_flag("-q,--quiet", quiet, "Print errors only");
+}
+
+void add_rule(CLI::App& command, VoxelRule& rule) {
+    add_parsed(command, "--rule", rule, parse_rule,
+               "Which voxels a triangle marks: conservative (the default) or thin", "RULE");
 }
 
 CLI::Validator above_zero() {

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -14,9 +13,6 @@
 
 /// How the command line writes numbers. All throw Error bad_argument, saying what was expected.
 namespace octavo::cli {
-
-/// Angles are given in degrees.
-inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// "4096", "4K" or "4k" -> 12. @return the depth, 2 to 17
 [[nodiscard]] int parse_resolution(const std::string& text);
@@ -42,6 +38,9 @@ struct RayArgument {
 
 /// "azimuth,elevation" in degrees. @return radians
 [[nodiscard]] std::array<double, 2> parse_angles(const std::string& text);
+
+/// "-12.5"
+[[nodiscard]] double parse_number(const std::string& text);
 
 /// A number of 0 or more, as floats hold it: "0.5"
 [[nodiscard]] double parse_positive(const std::string& text);
@@ -81,6 +80,17 @@ template <typename Number>
 /// Finite ones.
 [[nodiscard]] CLI::Validator above_zero();
 [[nodiscard]] CLI::Validator zero_or_more();
+
+/// --threads, with 0 for all of them.
+void add_threads(CLI::App& command, int& threads,
+                 const std::string& description = "Threads to use; 0: all");
+/// -f,--force
+void add_force(CLI::App& command, bool& force,
+               const std::string& description = "Replace the file where it exists");
+/// -q,--quiet
+void add_quiet(CLI::App& command, bool& quiet);
+/// --rule
+void add_rule(CLI::App& command, VoxelRule& rule);
 
 /// Adds an option whose text goes through `parse`; errors then name the option.
 template <typename Value, typename Parse>

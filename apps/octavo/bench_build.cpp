@@ -203,14 +203,11 @@ void add_bench_build(CLI::App& bench) {
                     "Voxels along each side, separated by commas; 1K,2K,4K")
         ->delimiter(',')
         ->type_name("N,...");
-    add_parsed(command, "--rule", arguments->rule, parse_rule,
-               "Which voxels a triangle marks: conservative (the default) or thin", "RULE");
+    add_rule(command, arguments->rule);
     command.add_option("--repeat", arguments->repeat, "Builds of each; their median is given; 3")
         ->type_name("N")
         ->check(within(1, 1000));
-    command.add_option("--threads", arguments->threads, "Threads to use; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
+    add_threads(command, arguments->threads);
     command.add_flag("--json", arguments->json, "As JSON, with every run and every level");
     command.callback([arguments] { run(*arguments); });
 }

@@ -193,15 +193,7 @@ void add_bench_picture(CLI::App& bench) {
                     "What draws: cpu, cuda, vulkan, one of `octavo devices`, or auto, the default: "
                     "a GPU where there is one")
         ->type_name("DEVICE");
-    picture
-        .add_option("--path", arguments->path,
-                    "A camera path, see bench/README.md; otherwise a turn about the first camera")
-        ->type_name("JSON");
-    picture
-        .add_option("--frames", arguments->frames,
-                    "Pictures along the flight; otherwise as many as the path says, or 32")
-        ->type_name("N")
-        ->check(within(1, 100000));
+    add_flight_options(picture, arguments->path, arguments->frames);
     add_parsed(picture, "--size", arguments->size, parse_size, "Pixels; 1920x1080", "WxH");
     picture
         .add_option("--shadow-samples", arguments->shadow_rays,
@@ -212,9 +204,7 @@ void add_bench_picture(CLI::App& bench) {
         .add_option("--ao", arguments->ambient_rays, "Ambient rays from each point, 64; 0: none")
         ->type_name("N")
         ->check(within(0, 65536));
-    picture.add_option("--threads", arguments->threads, "Threads to use on the CPU; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
+    add_threads(picture, arguments->threads, "Threads to use on the CPU; 0: all");
     picture.add_flag("--json", arguments->json, "As JSON, picture by picture");
     picture.callback([arguments] { run_picture(*arguments); });
 }

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
+#include "degrees.h"
 #include "octavo/trace/wide.h"
 
 namespace octavo::cli {
@@ -70,7 +70,7 @@ void Race::start_at_beam(const PixelRays& pixels, std::size_t tile, int size,
     const int y = static_cast<int>(tile) / columns * kTilePixels;
     const auto beam = pixels.bundle(x, y, x + kTilePixels, y + kTilePixels);
     if (!beam) return;
-    const float start = beam_start_wide(model_.dag, *beam, {0, 0.0f, 0.0f});
+    const float start = beam_start_wide(model_.dag, *beam, shared::stop_at_voxels());
     for (shared::GridRay& ray : rays) ray.t_min = start;
 }
 
@@ -91,7 +91,7 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
     std::vector<shared::GridHit> hits(set.size());
     const double one = time_rays(set.size(), [&](std::size_t first, std::size_t count) {
         for (std::size_t i = first; i < first + count; ++i)
-            hits[i] = shared::trace_closest(view_, set.voxel_rays[i], {0, 0.0f, 0.0f});
+            hits[i] = shared::trace_closest(view_, set.voxel_rays[i], shared::stop_at_voxels());
     });
     double wide = one;
     if (wide_) {
@@ -100,7 +100,7 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
             const auto some = std::span(rays).subspan(first, count);
             for (std::size_t i = 0; i < count; i += kTileRays)
                 start_at_beam(pixels, (first + i) / kTileRays, size, some.subspan(i, kTileRays));
-            trace_closest_wide(model_.dag, some, {0, 0.0f, 0.0f},
+            trace_closest_wide(model_.dag, some, shared::stop_at_voxels(),
                                std::span(hits).subspan(first, count));
         });
     }
@@ -108,8 +108,9 @@ void Race::primary(Row& row, const RaySet& set, const PixelRays& pixels, int siz
     count(row, set, one, wide);
     if (device_ != nullptr) {
         std::vector<shared::GridHit> found(set.size());
-        count_device(row, set,
-                     device_->trace_closest(*device_dag_, set.voxel_rays, {0, 0.0f, 0.0f}, found));
+        count_device(
+            row, set,
+            device_->trace_closest(*device_dag_, set.voxel_rays, shared::stop_at_voxels(), found));
     }
     race_nanovdb(row, set, [&](std::size_t i) { return hits[i].face != shared::kFaceNone; });
     for (const shared::GridHit& hit : hits) row.hits += hit.face != shared::kFaceNone;
@@ -132,11 +133,12 @@ void Race::any(Row& row, const RaySet& set, bool coherent) {
     std::vector<std::uint8_t> single(set.size()), wide_any(set.size()), mesh(set.size());
     const double one = time_rays(set.size(), [&](std::size_t first, std::size_t count) {
         for (std::size_t i = first; i < first + count; ++i)
-            single[i] = shared::trace_any(view_, set.voxel_rays[i], {0, 0.0f, 0.0f});
+            single[i] = shared::trace_any(view_, set.voxel_rays[i], shared::stop_at_voxels());
     });
     const auto trace_wide = [&](std::size_t first, std::size_t count) {
-        trace_any_wide(model_.dag, std::span(set.voxel_rays).subspan(first, count), {0, 0.0f, 0.0f},
-                       std::span(wide_any).subspan(first, count), &partitions_);
+        trace_any_wide(model_.dag, std::span(set.voxel_rays).subspan(first, count),
+                       shared::stop_at_voxels(), std::span(wide_any).subspan(first, count),
+                       &partitions_);
     };
     if (wide_ && coherent) {
         constexpr int kMostPasses = 8;
@@ -154,8 +156,9 @@ void Race::any(Row& row, const RaySet& set, bool coherent) {
     count(row, set, one, wide);
     if (device_ != nullptr) {
         std::vector<std::uint32_t> occluded(set.size());
-        count_device(row, set,
-                     device_->trace_any(*device_dag_, set.voxel_rays, {0, 0.0f, 0.0f}, occluded));
+        count_device(
+            row, set,
+            device_->trace_any(*device_dag_, set.voxel_rays, shared::stop_at_voxels(), occluded));
     }
     race_nanovdb(row, set, [&](std::size_t i) { return wide_any[i] != 0; });
     for (const std::uint8_t hit : wide_any) row.hits += hit;
@@ -181,8 +184,7 @@ void Race::ambient_cone(Cone& cone, const RaySet& set) const {
         });
     };
     trace(0.0f, full);
-    const double seconds =
-        trace(static_cast<float>(cone.degrees * std::numbers::pi / 180.0), coarse);
+    const double seconds = trace(static_cast<float>(cone.degrees * kRadiansPerDegree), coarse);
     cone.voxels.push_back(1e-6 * static_cast<double>(set.size()) / seconds);
     for (std::size_t i = 0; i < set.size(); i += kAmbientSamples) {
         int more = 0;

@@ -134,6 +134,17 @@ void add_bench_trace(CLI::App& bench) {
     const auto arguments = std::make_shared<BenchArguments>();
     set_help(trace, kExamples);
     trace.add_option("FILE", arguments->file, "An .octv file")->required()->type_name("");
+    trace.add_option("--plot", arguments->plot, "Draws the speed of every frame, as SVG")
+        ->type_name("FILE");
+    trace.add_flag("--json", arguments->json, "As JSON, frame by frame");
+
+    begin_group(trace, "Flight");
+    add_flight_options(trace, arguments->path, arguments->frames);
+    trace.add_option("--size", arguments->size, "Pixels along a picture's side; 1024")
+        ->type_name("N")
+        ->check(within(8, 16384));
+
+    begin_group(trace, "Also timed");
     CLI::Option* mesh =
         trace
             .add_option("--mesh", arguments->mesh,
@@ -145,32 +156,17 @@ void add_bench_trace(CLI::App& bench) {
         ->needs(mesh);
     trace.add_flag("--nanovdb", arguments->nanovdb,
                    "Also race NanoVDB's HDDA on the same voxels, and compare the memory");
-    trace.add_flag("--no-wide", arguments->no_wide,
-                   "Trace voxels by the shared text alone, one ray at a time, without SIMD lanes "
-                   "and tables");
     trace
         .add_option("--device", arguments->device,
                     "Also time the same rays on a device, see `octavo devices`: without beams, and "
                     "without copies to and from it")
         ->type_name("DEVICE");
-    trace
-        .add_option("--path", arguments->path,
-                    "A camera path, see bench/README.md; otherwise a turn about the first camera")
-        ->type_name("JSON");
-    trace
-        .add_option("--frames", arguments->frames,
-                    "Pictures along the flight; otherwise as many as the path says, or 32")
-        ->type_name("N")
-        ->check(within(1, 100000));
-    trace.add_option("--size", arguments->size, "Pixels along a picture's side; 1024")
-        ->type_name("N")
-        ->check(within(8, 16384));
-    trace.add_option("--threads", arguments->threads, "Threads to use; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
-    trace.add_option("--plot", arguments->plot, "Draws the speed of every frame, as SVG")
-        ->type_name("FILE");
-    trace.add_flag("--json", arguments->json, "As JSON, frame by frame");
+
+    begin_group(trace, "Speed");
+    trace.add_flag("--no-wide", arguments->no_wide,
+                   "Trace voxels by the shared text alone, one ray at a time, without SIMD lanes "
+                   "and tables");
+    add_threads(trace, arguments->threads);
     trace.callback([arguments] { run_trace(*arguments); });
 }
 

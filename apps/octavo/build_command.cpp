@@ -208,14 +208,9 @@ std::filesystem::path scratch_of(const BuildArguments& arguments) {
     return scratch;
 }
 
-void build_file(BuildArguments& arguments, Machines& machines) {
-    if (machines.is_first()) {
-        check_output(arguments.output, arguments.force, {arguments.input});
-    } else {
-        arguments.quiet = true;
-    }
+/// What follows from the arguments before the scene is read.
+void settle_options(BuildArguments& arguments) {
     BuildOptions& options = arguments.options;
-    return_freed_memory();
     if (arguments.origin) {
         options.grid = Grid{.origin = *arguments.origin,
                             .voxel_size = *arguments.voxel_size,
@@ -226,14 +221,30 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     options.keep_scratch = true;  // until the file is written
     options.journal_interval =
         std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
+    options.reduce = reducer_on(arguments.device);
+    choose_attributes(arguments);
+}
 
+void warn_of_no_area(const Metadata& of, const BuildArguments& arguments) {
+    if (of.degenerate_triangles + of.non_finite_triangles == of.triangles)
+        print_warnings({"no triangle has an area at this resolution: does a stray vertex make the "
+                        "scene's box too large?"},
+                       arguments);
+}
+
+void build_file(BuildArguments& arguments, Machines& machines) {
+    if (machines.is_first())
+        check_output(arguments.output, arguments.force, {arguments.input});
+    else
+        arguments.quiet = true;
+    return_freed_memory();
+    settle_options(arguments);
+    BuildOptions& options = arguments.options;
     using Style = ProgressMeter::Style;
     ProgressMeter meter(arguments.quiet  ? Style::quiet
                         : arguments.json ? Style::json
                                          : Style::people);
     options.progress = meter.function();
-    options.reduce = reducer_on(arguments.device);
-    choose_attributes(arguments);
     const bool with_attributes = !arguments.attribute_names.empty();
     BuildTimes times;
     Stopwatch watch;
@@ -263,11 +274,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     if (!machines.is_first()) return;
     Model model = make_model(source_name(arguments.input), scene, options.rule, std::move(built));
     times.construct_seconds = watch.lap();
-    const Metadata& of = model.metadata;
-    if (of.degenerate_triangles + of.non_finite_triangles == of.triangles)
-        print_warnings({"no triangle has an area at this resolution: does a stray vertex make the "
-                        "scene's box too large?"},
-                       arguments);
+    warn_of_no_area(model.metadata, arguments);
     if (with_attributes) {
         if (!surfaces) read_surfaces();
         model.attributes = surfaces->average(model.dag);
@@ -290,12 +297,67 @@ void run_build(BuildArguments& arguments) {
     machines.run([&] { build_file(arguments, machines); });
 }
 
+void add_voxel_options(CLI::App& command, BuildArguments& arguments) {
+    begin_group(command, "Voxels");
+    add_rule(command, arguments.options.rule);
+    CLI::Option* origin = add_parsed(command, "--origin", arguments.origin, parse_vec3,
+                                     "World position of the grid's low corner", "X,Y,Z");
+    CLI::Option* voxel_size =
+        command.add_option("--voxel-size", arguments.voxel_size, "Side of a voxel in world units")
+            ->type_name("S")
+            ->check(above_zero());
+    origin->needs(voxel_size);
+    voxel_size->needs(origin);
+}
+
+void add_surface_options(CLI::App& command, BuildArguments& arguments) {
+    begin_group(command, "Surfaces");
+    command
+        .add_option("--attributes", arguments.attribute_names,
+                    "What to keep of the surfaces: color, emission, normal")
+        ->type_name("NAMES");
+    add_parsed(command, "--attribute-resolution", arguments.attributes.level, parse_resolution,
+               "Cells along each side that have attributes; 1024, or N where that is less", "M");
+    command
+        .add_option("--attribute-quality", arguments.attribute_quality,
+                    "100: lossless; else colours may be off by (100 - Q) / 2 of 255")
+        ->type_name("Q")
+        ->check(within(1, 100));
+}
+
+void add_work_options(CLI::App& command, BuildArguments& arguments) {
+    begin_group(command, "Speed, memory and scratch");
+    BuildOptions& options = arguments.options;
+    add_threads(command, options.threads);
+    command
+        .add_option("--device", arguments.device,
+                    "What reduces tiles to unique nodes: cpu (the default), cuda or cuda:N; the "
+                    "file is the same")
+        ->type_name("DEVICE");
+    command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
+        ->type_name("N");
+    add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
+               "Memory that the program may take, like 8G; what has no room spills to disk; 0: no "
+               "limit",
+               "SIZE");
+    command
+        .add_option("--scratch", arguments.scratch,
+                    "Where to make the folder FILE.scratch, for what a stopped build goes on from "
+                    "and what --max-memory leaves no room for; beside FILE")
+        ->type_name("DIR")
+        ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
+    command
+        .add_option("--journal-seconds", arguments.journal_seconds,
+                    "How long a build works between two writes of what it has done, 5")
+        ->type_name("S")
+        ->check(within(0.0, 1e6));
+}
+
 }  // namespace
 
 void add_build_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("build", "Turn a triangle scene into a voxel DAG");
     const auto arguments = std::make_shared<BuildArguments>();
-    BuildOptions& options = arguments->options;
     set_help(command, kExamples);
     command
         .add_option("IN", arguments->input,
@@ -305,62 +367,19 @@ void add_build_command(CLI::App& program) {
     command.add_option("-o,--output", arguments->output, "The .octv file to write")
         ->required()
         ->type_name("FILE");
-    add_parsed(command, "-r,--resolution", options.depth, parse_resolution,
+    add_parsed(command, "-r,--resolution", arguments->options.depth, parse_resolution,
                "Voxels along each side: a power of two from 4 to 128K", "N")
         ->required();
-    add_parsed(command, "--rule", options.rule, parse_rule,
-               "Which voxels a triangle marks: conservative (the default) or thin", "RULE");
-    CLI::Option* origin = add_parsed(command, "--origin", arguments->origin, parse_vec3,
-                                     "World position of the grid's low corner", "X,Y,Z");
-    CLI::Option* voxel_size =
-        command.add_option("--voxel-size", arguments->voxel_size, "Side of a voxel in world units")
-            ->type_name("S")
-            ->check(above_zero());
-    origin->needs(voxel_size);
-    voxel_size->needs(origin);
-    command
-        .add_option("--device", arguments->device,
-                    "What reduces tiles to unique nodes: cpu (the default), cuda or cuda:N; the "
-                    "file is the same")
-        ->type_name("DEVICE");
-    command
-        .add_option("--attributes", arguments->attribute_names,
-                    "What to keep of the surfaces: color, emission, normal")
-        ->type_name("NAMES");
-    add_parsed(command, "--attribute-resolution", arguments->attributes.level, parse_resolution,
-               "Cells along each side that have attributes; 1024, or N where that is less", "M");
-    command
-        .add_option("--attribute-quality", arguments->attribute_quality,
-                    "100: lossless; else colours may be off by (100 - Q) / 2 of 255")
-        ->type_name("Q")
-        ->check(within(1, 100));
-    command.add_option("--threads", options.threads, "Threads to use; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
-    command.add_option("--tile", options.tile, "Voxels along a tile, a power of two; 0: chosen")
-        ->type_name("N");
-    add_parsed(command, "--max-memory", options.max_memory_bytes, parse_bytes,
-               "Memory that the program may take, like 8G; what has no room spills to disk; 0: no "
-               "limit",
-               "SIZE");
-    command
-        .add_option("--scratch", arguments->scratch,
-                    "Where to make the folder FILE.scratch, for what a stopped build goes on from "
-                    "and what --max-memory leaves no room for; beside FILE")
-        ->type_name("DIR")
-        ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
-    command
-        .add_option("--journal-seconds", arguments->journal_seconds,
-                    "How long a build works between two writes of what it has done, 5")
-        ->type_name("S")
-        ->check(within(0.0, 1e6));
     command.add_flag("--compress", arguments->compress,
                      "Compress the DAG: a smaller file that takes longer to open");
-    command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
-    command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     command.add_flag("--json", arguments->json,
                      "Print the statistics as JSON, and progress as a line of JSON a second on "
                      "standard error: phase, seconds, done, total, voxels, seconds_left");
+    add_force(command, arguments->force);
+    add_quiet(command, arguments->quiet);
+    add_voxel_options(command, *arguments);
+    add_surface_options(command, *arguments);
+    add_work_options(command, *arguments);
     command.callback([arguments] { run_build(*arguments); });
 }
 

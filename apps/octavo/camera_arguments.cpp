@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "arguments.h"
+#include "degrees.h"
 #include "octavo/render/render.h"
 #include "octavo/trace/trace.h"
 

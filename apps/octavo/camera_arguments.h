@@ -10,9 +10,6 @@
 
 namespace octavo::cli {
 
-/// Of a camera that is not told another vertical field of view.
-inline constexpr double kDefaultFovDegrees = 45.0;
-
 /// Which camera a picture is to have.
 struct CameraArguments {
     std::string name;

@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
+#include "degrees.h"
 #include "octavo/core/file_bytes.h"
-#include "octavo/io/json_field.h"
 #include "octavo/render/render.h"
 
 namespace octavo::cli {
 namespace {
 
-constexpr double kDefaultFov = 45.0;
 constexpr std::uint64_t kMostFrames = 100000;
 constexpr std::uint64_t kMostBytes = 16u << 20;
 
@@ -41,6 +39,12 @@ Camera CameraPath::camera(int frame, int count) const {
                    catmull_rom(a.vertical_fov, b.vertical_fov, c.vertical_fov, d.vertical_fov, t));
 }
 
+CameraPath::Key read_camera_key(const JsonField& camera) {
+    const double degrees = camera.has("fov") ? camera["fov"].number() : kDefaultFovDegrees;
+    return {camera["eye"].vector<dvec3>(), camera["at"].vector<dvec3>(),
+            degrees * kRadiansPerDegree};
+}
+
 CameraPath read_camera_path(const std::filesystem::path& file) {
     const FileBytes bytes = read_file(file, kMostBytes);
     CameraPath path;
@@ -51,11 +55,8 @@ CameraPath read_camera_path(const std::filesystem::path& file) {
         if (path.frames == 0) root["frames"].refuse("is 0");
         if (root.has("closed")) path.closed = root["closed"].truth();
         if (root.has("up")) path.up = root["up"].vector<dvec3>();
-        for (const JsonField& camera : root["cameras"].items()) {
-            const double degrees = camera.has("fov") ? camera["fov"].number() : kDefaultFov;
-            path.keys.push_back({camera["eye"].vector<dvec3>(), camera["at"].vector<dvec3>(),
-                                 degrees * std::numbers::pi / 180.0});
-        }
+        for (const JsonField& camera : root["cameras"].items())
+            path.keys.push_back(read_camera_key(camera));
         if (path.keys.empty()) root["cameras"].refuse("is empty");
         for (int frame = 0; frame < path.frames; ++frame) (void)path.camera(frame, path.frames);
     } catch (const Error& error) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "octavo/io/json_field.h"
 #include "octavo/mesh/scene.h"
 
 namespace octavo::cli {
@@ -23,6 +24,10 @@ struct CameraPath {
     /// each other after equal times.
     [[nodiscard]] Camera camera(int frame, int count) const;
 };
+
+/// A camera in a JSON file: its eye, what it looks at, and its vertical field of view in degrees,
+/// 45. @throws Error  bad_input, naming the key
+[[nodiscard]] CameraPath::Key read_camera_key(const JsonField& camera);
 
 /// @throws Error  io; limit; bad_input, naming what is wrong
 [[nodiscard]] CameraPath read_camera_path(const std::filesystem::path& file);

@@ -108,7 +108,7 @@ void add_export_command(CLI::App& program) {
         ->type_name("OUT");
     command.add_flag("--single-file", arguments->single_file,
                      "One HTML file with the scene inside, whatever its name");
-    command.add_flag("-f,--force", arguments->force, "Replace files where they exist");
+    add_force(command, arguments->force, "Replace files where they exist");
     command.callback([arguments] { run_export(*arguments); });
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "arguments.h"
 #include "octavo/render/camera.h"
 #include "octavo/render/render.h"
 
@@ -22,6 +23,18 @@ dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 }
 
 }  // namespace
+
+void add_flight_options(CLI::App& command, std::filesystem::path& path, int& frames) {
+    command
+        .add_option("--path", path,
+                    "A camera path, see bench/README.md; otherwise a turn about the first camera")
+        ->type_name("JSON");
+    command
+        .add_option("--frames", frames,
+                    "Pictures along the flight; otherwise as many as the path says, or 32")
+        ->type_name("N")
+        ->check(within(1, 100000));
+}
 
 Flight::Flight(const Model& model, std::optional<CameraPath> path, int frames, double aspect)
     : path_(std::move(path)),

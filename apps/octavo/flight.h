@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 
 #include "camera_path.h"
@@ -9,12 +11,15 @@
 
 namespace octavo::cli {
 
+/// --path and --frames.
+void add_flight_options(CLI::App& command, std::filesystem::path& path, int& frames);
+
 /// The pictures that a benchmark of rays takes of a DAG: along a path, or around.
 class Flight {
 public:
     /// @param path    of the camera; none: a camera among the voxels turns about itself, one
-    /// outside
-    ///                circles the middle, so that it is back where it began after the last frame
+    ///                outside circles the middle, so that it is back where it began after the last
+    ///                frame
     /// @param frames  0: as many as the path says, or 32
     /// @param aspect  width of a picture through its height
     Flight(const Model& model, std::optional<CameraPath> path, int frames, double aspect);

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "arguments.h"
+#include "degrees.h"
 #include "key_values.h"
 #include "octavo/render/render.h"
 

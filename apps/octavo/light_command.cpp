@@ -9,13 +9,13 @@
 #include "arguments.h"
 #include "commands.h"
 #include "help.h"
-#include "light_arguments.h"
-#include "lit_arguments.h"
+#include "light_choice.h"
 #include "octavo/io/octv.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/render/render.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "sky_arguments.h"
 
 namespace octavo::cli {
 namespace {
@@ -28,10 +28,7 @@ constexpr const char* kExamples =
 struct LightArguments {
     std::filesystem::path file;
     std::filesystem::path output;
-    std::optional<std::array<double, 2>> sun;
-    std::vector<std::string> lights;
-    std::string sky = "clear";
-    dvec3 up{0.0, 1.0, 0.0};
+    LightChoice choice;
     LightOptions options;
     bool compress = false;
     bool json = false;
@@ -48,18 +45,12 @@ void run_light(LightArguments& arguments) {
         throw Error(Errc::bad_argument, arguments.file,
                     "it has no attributes to light; build it with --attributes");
 
-    const std::vector<Light> lights =
-        described_lights(arguments.sun, arguments.lights, model, arguments.up);
     LitScene scene;
     scene.objects.push_back(
         {.dag = model.dag, .grid = model.grid(), .attributes = model.attributes});
-    scene.lights = without_shining_cells(lights, model.attributes);
-    try {
-        scene.sky = parse_sky(arguments.sky, arguments.up);
-    } catch (const Error& error) {
-        if (error.code() != Errc::bad_argument) throw;
-        throw Error(Errc::bad_argument, std::string("--sky: ") + error.what());
-    }
+    scene.lights =
+        without_shining_cells(described_lights(arguments.choice, model), model.attributes);
+    scene.sky = chosen_sky(arguments.choice);
 
     ProgressMeter meter(arguments.quiet);
     arguments.options.progress = meter.function();
@@ -68,8 +59,8 @@ void run_light(LightArguments& arguments) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     model.light = scene.objects[0].light;
-    model.metadata.light =
-        LightSummary{arguments.options.bounces, scene.lights, stored_sky(arguments.sky, output)};
+    model.metadata.light = LightSummary{arguments.options.bounces, scene.lights,
+                                        stored_sky(arguments.choice.sky.value_or("clear"), output)};
     write_octv(output, model, {.compress = arguments.compress, .progress = meter.function()});
     meter.finish();
 
@@ -105,17 +96,18 @@ void add_light_command(CLI::App& program) {
         .add_option("-o,--output", arguments->output,
                     "The file to write; otherwise FILE gets the light")
         ->type_name("FILE");
-    add_light_choice(command, arguments->sun, arguments->lights);
-    command
-        .add_option("--sky", arguments->sky,
-                    "clear (the default), none, color:R,G,B, "
-                    "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
-                    "with :power=FACTOR, a picture also with :turn=DEGREES")
-        ->type_name("SKY");
-    add_parsed(command, "--up", arguments->up, parse_vec3, "Which way is up; 0,1,0", "X,Y,Z");
+    command.add_flag("--compress", arguments->compress, "Compress the file with zstd");
+    command.add_flag("--json", arguments->json, "Report as JSON");
+    add_force(command, arguments->force, "Replace the output where it exists");
+    add_quiet(command, arguments->quiet);
+
+    begin_group(command, "Light");
+    add_light_choice(command, arguments->choice);
     command.add_option("--bounces", arguments->options.bounces, "How often light is sent on; 2")
         ->type_name("N")
         ->check(within(0, LightOptions::kMostBounces));
+
+    begin_group(command, "Quality and speed");
     command
         .add_option(
             "--rays", arguments->options.around_rays,
@@ -127,13 +119,7 @@ void add_light_command(CLI::App& program) {
                     "Rays of each side of a cell towards each light; 16")
         ->type_name("N")
         ->check(within(1, 65536));
-    command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
-    command.add_flag("--compress", arguments->compress, "Compress the file with zstd");
-    command.add_flag("--json", arguments->json, "Report as JSON");
-    command.add_flag("-f,--force", arguments->force, "Replace the output where it exists");
-    command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    add_threads(command, arguments->options.threads);
     command.callback([arguments] { run_light(*arguments); });
 }
 

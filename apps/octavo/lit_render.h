@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "light_choice.h"
 #include "octavo/io/model.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/render/render_lit.h"
@@ -16,9 +15,7 @@ namespace octavo::cli {
 /// What `render` was asked for, where light is sent on.
 struct LitArguments {
     Lighting lighting = Lighting::gathered;
-    std::optional<std::array<double, 2>> sun;
-    std::vector<std::string> lights;
-    std::optional<std::string> sky;
+    LightChoice choice;
     LightOptions light;
     bool quiet = false;  // do not say that cells are lit here
 };
@@ -34,6 +31,6 @@ struct LitInput {
 /// is used where the arguments ask for no other light or sky; else, and for scenes, cells are lit
 /// here, which is said on standard error: it may take minutes, and is not kept.
 [[nodiscard]] LitInput read_lit_input(const std::filesystem::path& path,
-                                      const LitArguments& arguments, const dvec3& up);
+                                      const LitArguments& arguments);
 
 }  // namespace octavo::cli

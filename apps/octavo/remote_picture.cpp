@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "light_arguments.h"
-#include "lit_arguments.h"
 #include "octavo/io/octv.h"
 #include "octavo/mesh/png.h"
 #include "octavo/render/image.h"
 #include "octavo/trace/trace.h"
+#include "sky_arguments.h"
 
 namespace octavo::cli {
 namespace {

@@ -1,27 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
-#include "arguments.h"
-#include "camera_arguments.h"
 #include "commands.h"
 #include "help.h"
-#include "lit_arguments.h"
 #include "lit_render.h"
 #include "octavo/backend/device.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
-#include "octavo/render/render.h"
 #include "output.h"
 #include "progress_meter.h"
+#include "render_arguments.h"
 #include "scene_input.h"
+#include "sky_arguments.h"
 #include "triangle_tracer.h"
 
 namespace octavo::cli {
@@ -37,43 +33,6 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr int kReferenceSamples = 256;
-
-struct RenderArguments {
-    std::filesystem::path file;
-    bool trusted = false;
-    std::filesystem::path output;
-    RenderOptions options;
-    uvec2 size{1280, 720};
-    CameraArguments camera;
-    bool samples_given = false;
-    std::optional<std::array<double, 2>> sun;
-    std::vector<std::string> lights;
-    std::string gi;  // "", "gathered" or "cached"
-    bool reference = false;
-    std::optional<std::string> sky;
-    int bounces = LightOptions{}.bounces;
-    double exposure = 0.0;
-    bool flat_normals = false;
-    std::string device = "cpu";
-    bool primary_mesh = false;
-    std::filesystem::path dag;
-    bool no_color = false;
-    bool force = false;
-    bool quiet = false;
-};
-
-Shadows parse_shadows(const std::string& text) {
-    if (text == "none") return Shadows::none;
-    if (text == "hard") return Shadows::hard;
-    if (text == "soft") return Shadows::soft;
-    throw Error(Errc::bad_argument, "'" + text + "' is not none, hard or soft");
-}
-
-bool parse_primary(const std::string& text) {
-    if (text == "voxels") return false;
-    if (text == "mesh") return true;
-    throw Error(Errc::bad_argument, "'" + text + "' is not voxels or mesh");
-}
 
 /// Primary rays to the triangles of a scene.
 PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
@@ -96,20 +55,16 @@ void check_extension(const std::filesystem::path& file) {
         throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
 }
 
-double aspect_of(const RenderArguments& arguments) {
-    return static_cast<double>(arguments.size.x) / arguments.size.y;
-}
-
 void choose_camera(RenderArguments& arguments, const Model& model) {
     arguments.options.camera =
-        chosen_camera(arguments.camera, model, arguments.options.up, aspect_of(arguments));
+        chosen_camera(arguments.camera, model, arguments.options.up, arguments.aspect());
 }
 
 /// Last before the picture, so that an error has its line to itself.
 void remark_on_camera(const RenderArguments& arguments, const Model& model) {
     if (arguments.quiet) return;
     const std::string remark =
-        camera_remark(arguments.camera, *arguments.options.camera, model, aspect_of(arguments));
+        camera_remark(arguments.camera, *arguments.options.camera, model, arguments.aspect());
     if (!remark.empty()) fmt::print(stderr, "octavo: {}\n", remark);
 }
 
@@ -141,9 +96,7 @@ void run_lit(RenderArguments& arguments) {
     lit.lighting = arguments.reference        ? Lighting::reference
                    : arguments.gi == "cached" ? Lighting::cached
                                               : Lighting::gathered;
-    lit.sun = arguments.sun;
-    lit.lights = arguments.lights;
-    lit.sky = arguments.sky;
+    lit.choice = arguments.light;
     lit.light.bounces = arguments.bounces;
     lit.light.threads = arguments.options.threads;
     lit.quiet = arguments.quiet;
@@ -152,7 +105,7 @@ void run_lit(RenderArguments& arguments) {
         options.samples = kReferenceSamples;
     ProgressMeter meter(arguments.quiet);
     lit.light.progress = options.progress = meter.function();
-    const LitInput input = read_lit_input(arguments.file, lit, options.up);
+    const LitInput input = read_lit_input(arguments.file, lit);
     const bool one_object = arguments.file.extension() != ".json";
     if (input.camera && arguments.camera.leave_it_open())
         options.camera = *input.camera;
@@ -168,13 +121,14 @@ void run_lit(RenderArguments& arguments) {
 void run_render(RenderArguments& arguments) {
     check_extension(arguments.output);
     check_output(arguments.output, arguments.force,
-                 {arguments.file, arguments.dag, sky_picture(arguments.sky.value_or(""))});
+                 {arguments.file, arguments.dag, sky_picture(arguments.light.sky.value_or(""))});
     if (!arguments.gi.empty() && arguments.gi != "gathered" && arguments.gi != "cached")
         throw Error(Errc::bad_argument,
                     "--gi: '" + arguments.gi + "' is not cached; write --gi behind the file");
     arguments.options.width = static_cast<int>(arguments.size.x);
     arguments.options.height = static_cast<int>(arguments.size.y);
     arguments.options.smooth_normals = !arguments.flat_normals;
+    arguments.options.up = arguments.light.up;
     const bool scene_file = arguments.file.extension() == ".json";
     if (!arguments.gi.empty() || arguments.reference || scene_file) {
         if (arguments.primary_mesh)
@@ -200,10 +154,10 @@ void run_render(RenderArguments& arguments) {
             primary_of(std::make_shared<TriangleTracer>(read_scene(arguments.file.string())));
 
     RenderOptions& options = arguments.options;
-    if (arguments.sky) options.sky = parse_sky(*arguments.sky, options.up);
+    if (arguments.light.sky) options.sky = chosen_sky(arguments.light);
     if (!arguments.no_color && !model.attributes.empty()) options.attributes = &model.attributes;
     choose_camera(arguments, model);
-    options.lights = asked_lights(arguments.sun, arguments.lights, model, options.up);
+    options.lights = asked_lights(arguments.light, model);
 
     ProgressMeter meter(arguments.quiet);
     options.progress = meter.function();
@@ -214,123 +168,13 @@ void run_render(RenderArguments& arguments) {
     write_image(arguments.output, device->render(*dag, model.grid(), options), arguments.exposure);
 }
 
-void add_light_options(CLI::App& command, RenderArguments& arguments) {
-    add_light_choice(command, arguments.sun, arguments.lights);
-    command
-        .add_option("--shadow-samples", arguments.options.shadow_samples,
-                    "Soft shadows: rays for each pixel and light, 16")
-        ->type_name("N")
-        ->check(within(1, 65536));
-    add_parsed(command, "--shadows", arguments.options.shadows, parse_shadows,
-               "none, hard or soft (the default)", "KIND");
-    command
-        .add_option("--ao", arguments.options.ao_samples,
-                    "Ambient occlusion: rays for each pixel, 64; 0: none")
-        ->type_name("N")
-        ->check(within(0, 65536));
-    command
-        .add_option("--ao-radius", arguments.options.ao_radius,
-                    "How far it reaches, in world units; otherwise 0.06 of the scene's diagonal")
-        ->type_name("R")
-        ->check(zero_or_more());
-    command
-        .add_option_function<double>(
-            "--ao-cone",
-            [&arguments](double degrees) {
-                arguments.options.ao_cone = degrees * kRadiansPerDegree;
-            },
-            "Ambient rays may stop at cells that look smaller than this: darker, and faster where "
-            "there is much detail; 0: never")
-        ->type_name("DEGREES")
-        ->check(within(0.0, 90.0));
-    command
-        .add_option("--sky", arguments.sky,
-                    "clear (the default), none, color:R,G,B, "
-                    "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
-                    "with :power=FACTOR, a picture also with :turn=DEGREES")
-        ->type_name("SKY");
-    CLI::Option* gi =
-        command
-            .add_option("--gi", arguments.gi,
-                        "Light that surfaces send on, by --ao rays for each pixel; with `cached`, "
-                        "only what `octavo light` stored. Uses the lights and the sky of that, "
-                        "unless others are given: then cells are lit first")
-            ->type_name("[cached]")
-            ->expected(0, 1)
-            ->default_str("gathered");
-    command
-        .add_flag("--reference", arguments.reference,
-                  "Trace whole paths of light instead, one for each sample, 256: slow and exact")
-        ->excludes(gi);
-    command
-        .add_option(
-            "--frame", arguments.options.frame,
-            "Another number gives other noise: 0, then 1 and so on for the frames of a film")
-        ->type_name("N");
-    command
-        .add_option("--bounces", arguments.bounces,
-                    "How often light is sent on, where cells are lit here; 2")
-        ->type_name("N")
-        ->check(within(0, LightOptions::kMostBounces));
-    command.add_option("--exposure", arguments.exposure, "Stops; each doubles the light. PNG only")
-        ->type_name("STOPS")
-        ->check(within(-32.0, 32.0));
-}
-
 }  // namespace
 
 void add_render_command(CLI::App& program) {
     CLI::App& command = *program.add_subcommand("render", "Ray-trace a picture of an .octv file");
     const auto arguments = std::make_shared<RenderArguments>();
     set_help(command, kExamples);
-    command
-        .add_option("FILE", arguments->file,
-                    "An .octv file; with --primary mesh the scene that it was built from, or "
-                    "sample:NAME")
-        ->required()
-        ->type_name("");
-    command.add_flag("--trusted", arguments->trusted, kTrustedHelp);
-    command.add_option("-o,--output", arguments->output, "The picture to write, .png or .exr")
-        ->required()
-        ->type_name("FILE");
-    add_parsed(command, "--size", arguments->size, parse_size, "Pixels; 1280x720", "WxH");
-    add_camera_options(command, arguments->camera);
-    add_parsed(command, "--up", arguments->options.up, parse_vec3, "Which way is up; 0,1,0",
-               "X,Y,Z");
-    add_light_options(command, *arguments);
-    command.add_option("--samples", arguments->options.samples, "Primary rays for each pixel, 4")
-        ->type_name("N")
-        ->check(within(1, 65536));
-    add_parsed(command, "--primary", arguments->primary_mesh, parse_primary,
-               "What is seen: the voxels; or the triangles of a scene (mesh), to which the voxels "
-               "of --dag give shadow and ambient occlusion",
-               "voxels|mesh");
-    command.add_option("--dag", arguments->dag, "With --primary mesh: the scene's .octv file")
-        ->type_name("FILE");
-    command
-        .add_option("--bias", arguments->options.bias,
-                    "With --primary mesh: how far above the triangles rays start, 1; less shows "
-                    "acne, more leaves gaps")
-        ->type_name("FACTOR")
-        ->check(within(0.0, 1000.0));
-    command.add_flag("--no-color", arguments->no_color,
-                     "Clay, even where the file has colours and emission");
-    command.add_flag("--flat", arguments->flat_normals, "Shade the voxels' faces as they are");
-    command
-        .add_option(
-            "--device", arguments->device,
-            "What to render on: cpu (the default), cuda, vulkan, one of `octavo devices`, or "
-            "auto: a GPU where there is one")
-        ->type_name("DEVICE");
-    command.add_flag_callback(
-        "--no-wide", [arguments] { arguments->options.wide = false; },
-        "Trace the picture's rays by the shared text alone, one at a time, without SIMD lanes and "
-        "tables: the same picture, slower");
-    command.add_option("--threads", arguments->options.threads, "Threads to use; 0: all")
-        ->type_name("N")
-        ->check(within(0, 4096));
-    command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
-    command.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    add_render_options(command, *arguments);
     command.callback([arguments, &command] {
         arguments->samples_given = command.count("--samples") > 0;
         run_render(*arguments);

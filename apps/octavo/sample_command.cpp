@@ -68,7 +68,7 @@ void add_sample_command(CLI::App& program) {
         .add_option("--size", arguments->size, "How much of it: triangles grow with this factor")
         ->type_name("F")
         ->check(above_zero());
-    command.add_flag("-f,--force", arguments->force, "Replace the file where it exists");
+    add_force(command, arguments->force);
     command.callback([arguments] { run_sample(*arguments); });
 }
 
