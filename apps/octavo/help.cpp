@@ -26,7 +26,7 @@ public:
                           CLI::AppFormatMode mode) const override {
         name = app->get_name();
         for (const CLI::App* above = app->get_parent(); above; above = above->get_parent())
-            name = above->get_name() + " " + name;
+            name.insert(0, above->get_name() + " ");
         return "Examples:\n" + examples_ + "\n" +
                without_gaps(Formatter::make_help(app, std::move(name), mode));
     }

@@ -40,7 +40,7 @@ template <class Kept, class Draw>
                 const PictureTile tile{low, glm::min(low + kSide, size)};
                 draw(tile, kept.local(), image);
                 const ivec2 pixels = tile.high - tile.low;
-                progress.add(static_cast<std::uint64_t>(pixels.x * pixels.y));
+                progress.add(static_cast<unsigned>(pixels.x * pixels.y));
             }
         });
     });
