@@ -38,4 +38,14 @@ inline bool mentions(const Scene& scene, const std::string& what) {
     return false;
 }
 
+/// A texture of grey bytes, as an uncompressed TGA.
+inline std::string grey_tga(int width, int height, const std::string& bytes) {
+    std::string header("\0\0\3\0\0\0\0\0\0\0\0\0", 12);
+    for (const int side : {width, height}) {
+        header += static_cast<char>(side & 255);
+        header += static_cast<char>(side >> 8);
+    }
+    return header + std::string("\x08\x20", 2) + bytes;  // 8 bits, the upper row first
+}
+
 }  // namespace octavo::test

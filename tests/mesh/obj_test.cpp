@@ -15,6 +15,7 @@
 namespace octavo {
 namespace {
 
+using test::grey_tga;
 using test::load_error;
 using test::mentions;
 using test::TemporaryFolder;
@@ -128,16 +129,6 @@ TEST(Obj, TakesAMaterialWithoutADefinitionForClayOrByTheColorsOfCorners) {
     const Scene colored = load_scene(folder.write("colored.obj", "v 0 0 0 1 0.5 0\n" + rest));
     ASSERT_EQ(colored.materials.size(), 1u);
     EXPECT_EQ(colored.materials[0].base_color, vec4(1.0f));
-}
-
-/// A texture of grey bytes, as an uncompressed TGA.
-std::string grey_tga(int width, int height, const std::string& bytes) {
-    std::string header("\0\0\3\0\0\0\0\0\0\0\0\0", 12);
-    for (const int side : {width, height}) {
-        header += static_cast<char>(side & 255);
-        header += static_cast<char>(side >> 8);
-    }
-    return header + std::string("\x08\x20", 2) + bytes;  // 8 bits, the upper row first
 }
 
 TEST(Obj, TakesAlphaFromAMaskOfItsOwn) {

@@ -7,13 +7,14 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <cmath>
 #include <vector>
 
 #include "octavo/mesh/color.h"
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/formats.h"
-#include "octavo/mesh/texture_files.h"
+#include "octavo/mesh/masked_texture.h"
 
 namespace octavo {
 namespace {
@@ -55,10 +56,25 @@ dvec3 unit(const dmat4& world, const aiVector3D& direction, const dvec3& fallbac
     return length > 0.0 ? moved / length : fallback;
 }
 
+/// What every file of a format means and assimp's scene does not say.
+struct Customs {
+    bool z_is_up = false;
+    bool texture_alpha_is_holes = false;
+};
+Customs customs_of(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".blend") return {.z_is_up = true};
+    if (extension == ".ac" || extension == ".acc") return {.texture_alpha_is_holes = true};
+    return {};
+}
+
+const dmat4 kZUpToYUp{dvec4(1, 0, 0, 0), dvec4(0, 0, -1, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 0, 1)};
+
 class AssimpScene {
 public:
     AssimpScene(const aiScene& source, const std::filesystem::path& file)
-        : source_(source), file_(file) {}
+        : source_(source), file_(file), customs_(customs_of(file)) {}
 
     Scene convert() {
         for (unsigned i = 0; i < source_.mNumMaterials; ++i) add_material(*source_.mMaterials[i]);
@@ -66,7 +82,7 @@ public:
             const aiNode* node;
             dmat4 parent;
         };
-        std::vector<Visit> open{{source_.mRootNode, dmat4(1.0)}};
+        std::vector<Visit> open{{source_.mRootNode, customs_.z_is_up ? kZUpToYUp : dmat4(1.0)}};
         while (!open.empty()) {
             const auto [node, parent] = open.back();
             open.pop_back();
@@ -82,18 +98,35 @@ public:
     }
 
 private:
-    int add_texture(const aiMaterial& material, aiTextureType type) {
-        aiString path;
-        if (material.GetTexture(type, 0, &path) != aiReturn_SUCCESS) return Material::kNoTexture;
-        const aiTexture* embedded = source_.GetEmbeddedTexture(path.C_Str());
-        if (!embedded) return add_texture_file(scene_, folder_of(file_), path.C_Str());
+    /// @param name  keeps the characters that the reference views
+    PictureReference picture_of(const aiMaterial& material, aiTextureType type, aiString& name) {
+        if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS) return {};
+        const aiTexture* embedded = source_.GetEmbeddedTexture(name.C_Str());
+        if (!embedded) return {name.C_Str()};
         if (embedded->mHeight != 0) {
             scene_.warnings.push_back("an unencoded embedded texture was left out");
-            return Material::kNoTexture;
+            return {};
         }
         const auto* first = reinterpret_cast<const std::byte*>(embedded->pcData);
-        scene_.textures.push_back({path.C_Str(), {}, {first, first + embedded->mWidth}});
-        return static_cast<int>(scene_.textures.size()) - 1;
+        return {name.C_Str(), {first, embedded->mWidth}};
+    }
+
+    void add_textures(const aiMaterial& source, Material& material) {
+        aiString color_name, mask_name, emission_name;
+        PictureReference color = picture_of(source, aiTextureType_DIFFUSE, color_name);
+        if (color.name.empty()) color = picture_of(source, aiTextureType_BASE_COLOR, color_name);
+        PictureReference mask = picture_of(source, aiTextureType_OPACITY, mask_name);
+        int flags = 0;
+        source.Get(AI_MATKEY_TEXFLAGS_DIFFUSE(0), flags);
+        if (mask.name.empty() &&
+            (customs_.texture_alpha_is_holes || (flags & aiTextureFlags_UseAlpha) != 0))
+            mask = color;
+        const std::filesystem::path folder = folder_of(file_);
+        set_base_color_texture(scene_, material, folder, color, mask);
+        // The factor is often 0 in files whose map says how much.
+        if (material.alpha_cutoff) material.base_color.a = 1.0f;
+        material.emission_texture =
+            add_texture(scene_, folder, picture_of(source, aiTextureType_EMISSIVE, emission_name));
     }
 
     void add_material(const aiMaterial& source) {
@@ -108,8 +141,7 @@ private:
         aiColor3D emission(0.0f, 0.0f, 0.0f);
         source.Get(AI_MATKEY_COLOR_EMISSIVE, emission);
         material.emission = color_of(emission);
-        material.base_color_texture = add_texture(source, aiTextureType_DIFFUSE);
-        material.emission_texture = add_texture(source, aiTextureType_EMISSIVE);
+        add_textures(source, material);
         scene_.materials.push_back(std::move(material));
     }
 
@@ -201,6 +233,7 @@ private:
 
     const aiScene& source_;
     const std::filesystem::path& file_;
+    const Customs customs_;
     Scene scene_;
 };
 

@@ -14,12 +14,15 @@
 namespace octavo {
 namespace {
 
+constexpr float kMaskCutoff = 0.5f;
+
 /// None, and a warning, where it cannot be read.
 std::optional<Bitmap> read_picture(Scene& scene, const std::filesystem::path& folder,
-                                   std::string_view reference) {
+                                   const PictureReference& reference) {
     std::string why;
     try {
-        const auto file = confined_path(folder, reference);
+        if (!reference.encoded.empty()) return decode_bitmap(reference.encoded);
+        const auto file = confined_path(folder, reference.name);
         std::error_code error;
         if (!file) {
             why = "is outside the scene's folder";
@@ -32,7 +35,7 @@ std::optional<Bitmap> read_picture(Scene& scene, const std::filesystem::path& fo
     } catch (const Error& error) {
         why = error.what();
     }
-    std::string warning = "texture '" + std::string(reference) + "' " + why + ": left out";
+    std::string warning = "texture '" + std::string(reference.name) + "' " + why + ": left out";
     if (std::ranges::find(scene.warnings, warning) == scene.warnings.end())
         scene.warnings.push_back(std::move(warning));
     return std::nullopt;
@@ -68,29 +71,42 @@ std::vector<std::byte> encoded(const Bitmap& picture) {
                       PngChannels::rgba);
 }
 
-}  // namespace
-
+/// @return  its index, or Material::kNoTexture where the mask cannot be read
 int add_masked_texture(Scene& scene, const std::filesystem::path& folder,
-                       std::string_view color_reference, std::string_view mask_reference) {
+                       const PictureReference& color, const PictureReference& mask) {
     const std::string name =
-        std::string(color_reference) + " with the alpha of " + std::string(mask_reference);
+        std::string(color.name) + " with the alpha of " + std::string(mask.name);
     const auto known = std::ranges::find(scene.textures, name, &Texture::name);
     if (known != scene.textures.end()) return static_cast<int>(known - scene.textures.begin());
 
-    std::optional<Bitmap> mask = read_picture(scene, folder, mask_reference);
-    if (!mask) return Material::kNoTexture;
-    make_alpha(*mask);
+    std::optional<Bitmap> picture = read_picture(scene, folder, mask);
+    if (!picture) return Material::kNoTexture;
+    make_alpha(*picture);
     std::optional<Bitmap> colors;
-    if (!color_reference.empty()) colors = read_picture(scene, folder, color_reference);
+    if (!color.name.empty()) colors = read_picture(scene, folder, color);
     if (colors)
-        mask = join(*colors, *mask);
+        picture = join(*colors, *picture);
     else
-        for (auto& p : mask->pixels) p = {255, 255, 255, p[3]};
+        for (auto& p : picture->pixels) p = {255, 255, 255, p[3]};
     Texture texture;
     texture.name = name;
-    texture.encoded = encoded(*mask);
+    texture.encoded = encoded(*picture);
     scene.textures.push_back(std::move(texture));
     return static_cast<int>(scene.textures.size()) - 1;
+}
+
+}  // namespace
+
+void set_base_color_texture(Scene& scene, Material& material, const std::filesystem::path& folder,
+                            const PictureReference& color, const PictureReference& mask) {
+    int& texture = material.base_color_texture;
+    bool cut_out = !mask.name.empty();
+    if (cut_out && mask.name != color.name) {
+        texture = add_masked_texture(scene, folder, color, mask);
+        cut_out = texture != Material::kNoTexture;
+    }
+    if (texture == Material::kNoTexture) texture = add_texture(scene, folder, color);
+    if (cut_out) material.alpha_cutoff = kMaskCutoff;
 }
 
 }  // namespace octavo

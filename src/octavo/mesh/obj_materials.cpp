@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::uint64_t kMaxLibraryBytes = std::uint64_t{1} << 28;
 
-constexpr float kMaskCutoff = 0.5f;
-
 /// One number, or three; what is not a number leaves the colour as it was.
 vec3 read_color(TextCursor text, vec3 color) {
     double r = 0.0, g = 0.0, b = 0.0;
@@ -63,15 +61,7 @@ void read_obj_materials(const std::filesystem::path& file, Scene& scene,
     Material* material = &passed_over;
     std::string_view color_map, alpha_map;
     const auto finish = [&] {
-        int& texture = material->base_color_texture;
-        bool cut_out = !alpha_map.empty();
-        if (cut_out && alpha_map != color_map) {
-            texture = add_masked_texture(scene, folder, color_map, alpha_map);
-            cut_out = texture != Material::kNoTexture;
-        }
-        if (texture == Material::kNoTexture && !color_map.empty())
-            texture = add_texture_file(scene, folder, color_map);
-        if (cut_out) material->alpha_cutoff = kMaskCutoff;
+        set_base_color_texture(scene, *material, folder, {color_map}, {alpha_map});
         color_map = alpha_map = {};
     };
 

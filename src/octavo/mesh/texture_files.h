@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 #include "octavo/mesh/scene.h"
@@ -16,5 +18,17 @@ namespace octavo {
 int add_texture_file(Scene& scene, const std::filesystem::path& folder, std::string_view reference,
                      Texture::Wrap wrap_u = Texture::Wrap::repeat,
                      Texture::Wrap wrap_v = Texture::Wrap::repeat);
+
+/// A picture that a scene file refers to, or has within it under a name of its own.
+struct PictureReference {
+    std::string_view name;  // empty: none
+    std::span<const std::byte> encoded = {};
+};
+
+/// Adds such a picture, once, and does not decode it.
+///
+/// @return  its index, or Material::kNoTexture, with a warning unless there is none
+int add_texture(Scene& scene, const std::filesystem::path& folder,
+                const PictureReference& reference);
 
 }  // namespace octavo
