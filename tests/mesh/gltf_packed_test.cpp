@@ -298,7 +298,7 @@ std::vector<Triangle> sorted_triangles(const Scene& scene) {
             }
             std::ranges::copy(color, triangle[static_cast<std::size_t>(c)].begin() + 3);
         }
-        std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+        std::rotate(triangle.begin(), std::ranges::min_element(triangle), triangle.end());
         sorted.push_back(triangle);
     }
     std::ranges::sort(sorted);

@@ -5,7 +5,7 @@
 
 #include <draco/compression/decode.h>
 
-#include <cstring>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,11 +46,13 @@ DracoMesh::DracoMesh(std::span<const std::byte> packed, const FileBytes& file) :
 }
 
 Accessor DracoMesh::triangles() const {
-    std::vector<std::byte> values(std::size_t{mesh_->num_faces()} * sizeof(draco::Mesh::Face));
-    static_assert(sizeof(draco::Mesh::Face) == 3 * sizeof(std::uint32_t));
+    std::vector<std::uint32_t> corners;
+    corners.reserve(std::size_t{3} * mesh_->num_faces());
     for (std::uint32_t i = 0; i < mesh_->num_faces(); ++i)
-        std::memcpy(values.data() + i * sizeof(draco::Mesh::Face),
-                    &mesh_->face(draco::FaceIndex(i)), sizeof(draco::Mesh::Face));
+        for (const draco::PointIndex& corner : mesh_->face(draco::FaceIndex(i)))
+            corners.push_back(corner.value());
+    const auto bytes = std::as_bytes(std::span(corners));
+    std::vector<std::byte> values(bytes.begin(), bytes.end());
     return {std::move(values), Accessor::kU32, 1, false};
 }
 
