@@ -33,14 +33,14 @@ int add_texture_file(Scene& scene, const std::filesystem::path& folder, std::str
 
 int add_texture(Scene& scene, const std::filesystem::path& folder,
                 const PictureReference& reference) {
-    const auto& [name, encoded] = reference;
+    const std::string name(reference.name);
     if (name.empty()) return Material::kNoTexture;
-    if (encoded.empty()) return add_texture_file(scene, folder, name);
+    if (reference.encoded.empty()) return add_texture_file(scene, folder, name);
     const auto known = std::ranges::find_if(scene.textures, [&](const Texture& texture) {
         return texture.name == name && !texture.encoded.empty();
     });
     if (known != scene.textures.end()) return static_cast<int>(known - scene.textures.begin());
-    scene.textures.push_back({std::string(name), {}, {encoded.begin(), encoded.end()}});
+    scene.textures.push_back({name, {}, {reference.encoded.begin(), reference.encoded.end()}});
     return static_cast<int>(scene.textures.size()) - 1;
 }
 
