@@ -182,5 +182,132 @@ TEST(Ply, ReadsGzippedFilesOfSeveralMembers) {
                   Errc::bad_input);
 }
 
+/// A strip of triangles that takes a few windows of a reader to read.
+constexpr int kLongStrip = 30000;
+
+std::string long_ply(bool text, const std::string& comment) {
+    std::string bytes =
+        std::string("ply\nformat ") + (text ? "ascii" : "binary_little_endian") + " 1.0\ncomment " +
+        comment + "\nelement vertex " + std::to_string(kLongStrip) +
+        "\nproperty double x\nproperty float y\nproperty int z\nelement face " +
+        std::to_string(kLongStrip - 2) + "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (int i = 0; i < kLongStrip; ++i)
+        bytes += text ? std::to_string(i) + ".5 " + std::to_string(-i) + " " +
+                            std::to_string(i / 7) + "\n"
+                      : raw(i + 0.5) + raw(static_cast<float>(-i)) + raw(i / 7);
+    for (int i = 0; i + 2 < kLongStrip; ++i)
+        bytes += text ? "3 " + std::to_string(i) + " " + std::to_string(i + 1) + " " +
+                            std::to_string(i + 2) + " "
+                      : raw(std::uint8_t{3}) + raw(i) + raw(i + 1) + raw(i + 2);
+    return bytes;
+}
+
+std::filesystem::path zip(const std::filesystem::path& file, const std::string& bytes) {
+    gzFile gz = gzopen(file.c_str(), "wb1");
+    gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(gz);
+    return file;
+}
+
+TEST(Ply, OfManyWindowsIsReadWhereverTheyEnd) {
+    const TemporaryFolder folder;
+    for (const bool text : {false, true}) {
+        for (std::size_t shift = 0; shift < 32; ++shift) {
+            const std::string bytes = long_ply(text, std::string(shift, '-'));
+            const Scene scene = load_scene(shift % 2 == 0 ? folder.write("a.ply", bytes)
+                                                          : zip(folder / "a.ply.gz", bytes));
+            ASSERT_EQ(scene.positions.size(), std::size_t{kLongStrip});
+            ASSERT_EQ(scene.triangles.size(), std::size_t{kLongStrip - 2});
+            for (int i = 0; i < kLongStrip; ++i)
+                ASSERT_EQ(scene.positions[static_cast<std::size_t>(i)], dvec3(i + 0.5, -i, i / 7))
+                    << "shift " << shift;
+            for (std::uint32_t i = 0; i + 2 < kLongStrip; ++i)
+                ASSERT_EQ(scene.triangles[i], uvec3(i, i + 1, i + 2)) << "shift " << shift;
+        }
+    }
+}
+
+TEST(Ply, NamesTheByteOfABadIndexBehindManyWindows) {
+    const TemporaryFolder folder;
+    for (const bool text : {false, true}) {
+        std::string bytes = long_ply(text, "");
+        const std::string last = text ? std::to_string(kLongStrip - 1) : raw(kLongStrip - 1);
+        const std::size_t where = bytes.rfind(last);
+        bytes.replace(where, last.size(), text ? std::string("99999") : raw(99999));
+        for (const auto& file : {folder.write("a.ply", bytes), zip(folder / "a.ply.gz", bytes)}) {
+            const Error error = load_error(file);
+            EXPECT_EQ(error.code(), Errc::bad_input);
+            ASSERT_TRUE(error.offset()) << error.what();
+            EXPECT_EQ(*error.offset(), where) << error.what();
+        }
+    }
+}
+
+TEST(Ply, ReadsLinesAndWordsThatAreLongerThanAWindow) {
+    const TemporaryFolder folder;
+    const std::string zeros(700000, '0');
+    std::string text = ascii_triangle("3 0 1 " + zeros + "2");
+    text.replace(text.find("1 0 0"), 1, "1." + zeros + "1");
+    text.insert(text.find("element vertex"), "comment " + std::string(1000000, 'x') + "\n");
+    const Scene scene = load_scene(folder.write("a.ply", text));
+    EXPECT_EQ(scene.positions[1], dvec3(1, 0, 0));
+    EXPECT_EQ(scene.triangles[0], uvec3(0, 1, 2));
+    EXPECT_EQ(load_error(folder.write("b.ply", text.substr(0, text.size() - 1) + "3")).code(),
+              Errc::bad_input);
+}
+
+TEST(Ply, SkipsListsThatAreLongerThanAWindow) {
+    const TemporaryFolder folder;
+    constexpr std::uint32_t kLength = 300000;
+    for (const std::uint32_t announced : {kLength, kLength + 10}) {
+        const std::string bytes =
+            "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + kVertexHeader +
+            "element face 1\nproperty list uint int extra\n"
+            "property list uchar int vertex_indices\nend_header\n" +
+            std::string(36, '\0') + raw(announced) + std::string(4 * kLength, '\x7f') +
+            raw(std::uint8_t{3}) + raw(0) + raw(1) + raw(2);
+        for (const auto& file : {folder.write("a.ply", bytes), zip(folder / "a.ply.gz", bytes)}) {
+            if (announced == kLength)
+                EXPECT_EQ(load_scene(file).triangles[0], uvec3(0, 1, 2));
+            else
+                EXPECT_EQ(load_error(file).code(), Errc::bad_input);
+        }
+    }
+}
+
+TEST(Ply, SaysThatGzipDataAreDamagedWhateverTheyInflateTo) {
+    const TemporaryFolder folder;
+    const std::string bytes = long_ply(true, "");
+    const auto file = zip(folder / "a.ply.gz", bytes);
+    std::string zipped(std::filesystem::file_size(file), '\0');
+    std::ifstream(file, std::ios::binary)
+        .read(zipped.data(), static_cast<std::streamsize>(zipped.size()));
+    for (std::size_t at = 20; at < zipped.size(); at += zipped.size() / 40) {
+        std::string damaged = zipped;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        const Error error = load_error(folder.write("b.ply.gz", damaged));
+        EXPECT_EQ(error.code(), Errc::bad_input);
+        EXPECT_NE(std::string(error.what()).find("the gzip data is"), std::string::npos)
+            << error.what() << ", byte " << at;
+    }
+    // The end of the data is checked although nothing of the scene is in it.
+    const Error error = load_error(folder.write("b.ply.gz", zipped.substr(0, zipped.size() - 4)));
+    EXPECT_NE(std::string(error.what()).find("cut short"), std::string::npos) << error.what();
+}
+
+TEST(Ply, OfGzipDataThatEndTooEarlyIsRefused) {
+    const TemporaryFolder folder;
+    const std::string whole = long_ply(false, "");
+    for (const std::size_t missing : {std::size_t{1}, std::size_t{13}, whole.size() / 2})
+        EXPECT_EQ(
+            load_error(zip(folder / "a.ply.gz", whole.substr(0, whole.size() - missing))).code(),
+            Errc::bad_input);
+    for (const char* count : {"30001", "1000000", "4294967294", "9223372036854775807"}) {
+        std::string bytes = whole;
+        bytes.replace(bytes.find("30000"), 5, count);
+        EXPECT_EQ(load_error(zip(folder / "a.ply.gz", bytes)).code(), Errc::bad_input) << count;
+    }
+}
+
 }  // namespace
 }  // namespace octavo

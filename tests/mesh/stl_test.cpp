@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "mesh/mesh_files.h"
 
@@ -62,6 +63,50 @@ TEST(Stl, RejectsTextThatIsCutShortInsideAFacet) {
             << "cut at " << size;
     EXPECT_EQ(load_error(folder.write("a.stl", "solid x\nfacet\nvertex 1 2 3\nendfacet\n")).code(),
               Errc::bad_input);
+}
+
+TEST(Stl, OfManyWindowsIsReadWhereverTheyEnd) {
+    const TemporaryFolder folder;
+    constexpr int kTriangles = 12000;
+    const auto expect_all = [&](const std::filesystem::path& file, const std::string& what) {
+        const Scene scene = load_scene(file);
+        ASSERT_EQ(scene.positions.size(), std::size_t{3 * kTriangles}) << what;
+        for (int i = 0; i < 3 * kTriangles; ++i)
+            ASSERT_EQ(scene.positions[static_cast<std::size_t>(i)],
+                      dvec3(i % 3 * 3 + i / 3, i % 3 * 3 + 1 + i / 3, i % 3 * 3 + 2 + i / 3))
+                << what;
+        EXPECT_TRUE(scene.warnings.empty()) << what;
+    };
+    const std::string binary = binary_stl("solid", kTriangles, kTriangles);
+    expect_all(folder.write("a.stl", binary), "binary");
+    const auto zipped = folder / "a.stl.gz";
+    gzFile gz = gzopen(zipped.c_str(), "wb1");
+    gzwrite(gz, binary.data(), static_cast<unsigned>(binary.size()));
+    gzclose(gz);
+    expect_all(zipped, "zipped");
+
+    std::string facets;
+    for (int t = 0; t < kTriangles; ++t) {
+        facets += "facet normal 0 0 1\nouter loop\n";
+        for (int i = t; i < t + 9; i += 3)
+            facets += "vertex " + std::to_string(i) + " " + std::to_string(i + 1) + " " +
+                      std::to_string(i + 2) + "\n";
+        facets += "endloop\nendfacet\n";
+    }
+    for (std::size_t shift : {0, 1, 2, 3, 5, 8, 13, 21, 34, 55, 600000})
+        expect_all(folder.write("b.stl", "solid " + std::string(shift, 'x') + " y\n" + facets +
+                                             "endsolid " + std::string(shift, 'x')),
+                   "text moved by " + std::to_string(shift));
+}
+
+TEST(Stl, OfGzipDataThatEndTooEarlyIsRefused) {
+    const TemporaryFolder folder;
+    const auto file = folder / "a.stl.gz";
+    const std::string bytes = binary_stl("x", 12001, 12000);
+    gzFile gz = gzopen(file.c_str(), "wb1");
+    gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(gz);
+    EXPECT_EQ(load_error(file).code(), Errc::bad_input);
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 #include <new>
 #include <string>
 
+#include "octavo/core/error.h"
+
 namespace octavo {
 namespace {
 
@@ -71,6 +73,13 @@ std::uint64_t InflatedFile::expected_size() const {
     return inflater_ ? 4 * file_.size() : file_.size();
 }
 
+std::uint64_t InflatedFile::most_size() const {
+    // Deflate's shortest code, of two bits, stands for at most 258 bytes.
+    constexpr std::uint64_t kMostPerByte = 4 * 258;
+    if (!inflater_) return file_.size();
+    return file_.size() < max_bytes_ / kMostPerByte ? kMostPerByte * file_.size() : max_bytes_;
+}
+
 std::size_t InflatedFile::read(char* out, std::size_t size) {
     if (!inflater_) return file_.read(out, size);
     std::size_t done = 0;
@@ -114,23 +123,6 @@ std::size_t InflatedFile::inflate_next(char* out, std::size_t size) {
         throw error("the gzip data is damaged");
     }
     return made;
-}
-
-FileBytes read_inflated(const std::filesystem::path& file, std::uint64_t max_bytes) {
-    InflatedFile input(file, max_bytes);
-    // One byte more than is expected: the end shows as less than was asked for.
-    std::size_t capacity = input.expected_size() + 1;
-    auto data = std::make_unique_for_overwrite<char[]>(capacity);
-    std::size_t size = 0;
-    for (;;) {
-        size += input.read(data.get() + size, capacity - size);
-        if (size < capacity) break;
-        auto larger = std::make_unique_for_overwrite<char[]>(2 * capacity);
-        std::memcpy(larger.get(), data.get(), size);
-        data = std::move(larger);
-        capacity *= 2;
-    }
-    return {file, std::move(data), size};
 }
 
 }  // namespace octavo

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "octavo/core/file_bytes.h"
 #include "octavo/core/input_file.h"
 
 namespace octavo {
@@ -28,8 +27,12 @@ public:
     ///                are more than max_bytes
     [[nodiscard]] std::size_t read(char* out, std::size_t size);
 
-    /// How many bytes there are; of gzip data a guess.
+    /// Whether the bytes are not those of the file.
+    [[nodiscard]] bool inflates() const { return inflater_ != nullptr; }
+
+    /// How many bytes there are; of gzip data a guess, and a number that it cannot pass.
     [[nodiscard]] std::uint64_t expected_size() const;
+    [[nodiscard]] std::uint64_t most_size() const;
 
 private:
     struct Inflater;
@@ -40,8 +43,5 @@ private:
     std::uint64_t max_bytes_;
     std::unique_ptr<Inflater> inflater_;  // none: the bytes are as they are
 };
-
-/// The whole of such a file; byte offsets in it count inflated bytes.
-[[nodiscard]] FileBytes read_inflated(const std::filesystem::path& file, std::uint64_t max_bytes);
 
 }  // namespace octavo

@@ -9,7 +9,6 @@
 #include "octavo/core/memory.h"
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
-#include "octavo/mesh/inflated_file.h"
 
 namespace octavo {
 namespace fs = std::filesystem;
@@ -43,20 +42,20 @@ void refuse_utf16(std::string_view bytes, const fs::path& file) {
         throw Error(Errc::unsupported, file, "is UTF-16 text: save it as UTF-8");
 }
 
-Scene read(const fs::path& file, const LoadLimits& limits) {
+Scene read_format(FileWindow& input, const LoadLimits& limits) {
+    const fs::path& file = input.file();
     const std::string extension = format_extension(file);
+    const std::string_view start = input.ahead();
+    if (is_glb(start) || extension == ".gltf" || extension == ".glb") {
+        refuse_utf16(start, file);
+        return formats::read_gltf(input.take_all(), limits.max_bytes, limits.max_seconds);
+    }
+    if (is_ply(start) || extension == ".ply") return formats::read_ply(input);
     if (extension == ".obj") {
-        LineReader lines(file, limits.max_bytes);
-        refuse_utf16(lines.start(), file);
-        if (!is_glb(lines.start()) && !is_ply(lines.start())) return formats::read_obj(lines);
+        refuse_utf16(start, file);
+        return formats::read_obj(input);
     }
-    const FileBytes bytes = read_inflated(file, limits.max_bytes);
-    if (is_glb(bytes.view()) || extension == ".gltf" || extension == ".glb") {
-        refuse_utf16(bytes.view(), file);
-        return formats::read_gltf(bytes, limits.max_bytes, limits.max_seconds);
-    }
-    if (is_ply(bytes.view()) || extension == ".ply") return formats::read_ply(bytes);
-    if (extension == ".stl") return formats::read_stl(bytes);
+    if (extension == ".stl") return formats::read_stl(input);
     if (formats::assimp_knows(file))
         return read_in_child(
             file, [&file] { return formats::read_with_assimp(file); }, limits.max_bytes,
@@ -65,6 +64,19 @@ Scene read(const fs::path& file, const LoadLimits& limits) {
         Errc::unsupported, file,
         "no reader knows this kind of file: take glTF, GLB, OBJ, PLY, STL, or another format "
         "of triangles that assimp reads");
+}
+
+Scene read(const fs::path& file, const LoadLimits& limits) {
+    FileWindow input(file, limits.max_bytes);
+    try {
+        Scene scene = read_format(input, limits);
+        input.finish();
+        return scene;
+    } catch (const Error& error) {
+        // Where gzip data is damaged, that is what is wrong, and not what a reader makes of it.
+        if (error.code() == Errc::bad_input) input.finish();
+        throw;
+    }
 }
 
 /// What every reader promises; a mistake in one must not become a crash in a later room.

@@ -10,6 +10,7 @@
 #include "octavo/mesh/color.h"
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/formats.h"
+#include "octavo/mesh/line_reader.h"
 #include "octavo/mesh/obj_materials.h"
 #include "octavo/mesh/text_cursor.h"
 #include "octavo/mesh/triangulate.h"
@@ -31,7 +32,7 @@ bool goes_on(std::string_view line) {
 
 class ObjReader {
 public:
-    explicit ObjReader(LineReader& lines) : lines_(lines) {}
+    explicit ObjReader(FileWindow& input) : lines_(input) {}
 
     Scene read() {
         std::string_view line;
@@ -267,7 +268,7 @@ private:
                 use.texture == kNone ? vec2(0.0f) : texture_coordinates_[use.texture]);
     }
 
-    LineReader& lines_;
+    LineReader lines_;
     Scene scene_;
     std::vector<vec2> texture_coordinates_;
     std::vector<uvec3> triangle_textures_;
@@ -285,8 +286,8 @@ private:
 
 }  // namespace
 
-Scene formats::read_obj(LineReader& lines) {
-    return ObjReader(lines).read();
+Scene formats::read_obj(FileWindow& input) {
+    return ObjReader(input).read();
 }
 
 }  // namespace octavo

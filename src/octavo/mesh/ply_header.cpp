@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octavo/mesh/ply_header.h"
 
+#include "octavo/mesh/line_reader.h"
 #include "octavo/mesh/text_cursor.h"
 
 namespace octavo::ply {
@@ -23,18 +24,18 @@ std::optional<Type> type_of(std::string_view word) {
     return {};
 }
 
-Format format_of(std::string_view word, const FileBytes& bytes) {
+Format format_of(std::string_view word, const FileWindow& input) {
     if (word == "ascii") return Format::ascii;
     if (word == "binary_little_endian") return Format::little_endian;
     if (word == "binary_big_endian") return Format::big_endian;
-    throw bytes.error_at(word.data(), "unknown PLY format");
+    throw input.error_at(word.data(), "unknown PLY format");
 }
 
-Property read_property(TextCursor& words, const FileBytes& bytes) {
+Property read_property(TextCursor& words, const FileWindow& input) {
     const auto read_type = [&] {
         const std::string_view word = words.word();
         if (const auto type = type_of(word)) return *type;
-        throw bytes.error_at(word.data(), "unknown property type '" + std::string(word) + "'");
+        throw input.error_at(word.data(), "unknown property type '" + std::string(word) + "'");
     };
     Property property{};
     TextCursor ahead = words;
@@ -43,7 +44,7 @@ Property read_property(TextCursor& words, const FileBytes& bytes) {
         const char* where = words.at;
         property.count_type = read_type();
         if (!is_whole(*property.count_type))
-            throw bytes.error_at(where, "the length of a list is not a whole number");
+            throw input.error_at(where, "the length of a list is not a whole number");
     }
     property.type = read_type();
     property.name = words.word();
@@ -63,37 +64,35 @@ std::size_t Element::min_bytes(Format format) const {
     return bytes;
 }
 
-Header read_header(const FileBytes& bytes) {
-    TextCursor text(bytes.view());
-    if (text.line() != "ply") throw bytes.error_at(bytes.view().data(), "is not a PLY file");
+Header read_header(FileWindow& input) {
+    LineReader lines(input);
+    std::string_view line;
+    if (!lines.next(line) || TextCursor(line).line() != "ply")
+        throw input.error_at(std::uint64_t{0}, "is not a PLY file");
 
     Header header;
-    while (!text.done()) {
-        const std::string_view line = text.line();
+    while (lines.next(line)) {
         TextCursor words(line);
         const std::string_view keyword = words.word();
-        if (keyword == "end_header") {
-            header.body = text.at;
-            return header;
-        }
+        if (keyword == "end_header") return header;
         if (keyword == "format") {
-            header.format = format_of(words.word(), bytes);
+            header.format = format_of(words.word(), input);
         } else if (keyword == "element") {
-            Element element{words.word(), 0, {}, line.data()};
+            Element element{std::string(words.word()), 0, {}, input.offset_of(keyword.data())};
             words.skip_blanks();
             long long count = 0;
             if (!words.number(count) || count < 0)
-                throw bytes.error_at(words.at, "an element's count is not a number");
+                throw input.error_at(words.at, "an element's count is not a number");
             element.count = static_cast<std::uint64_t>(count);
             header.elements.push_back(std::move(element));
         } else if (keyword == "property") {
             if (header.elements.empty())
-                throw bytes.error_at(line.data(), "a property before any element");
-            header.elements.back().properties.push_back(read_property(words, bytes));
+                throw input.error_at(keyword.data(), "a property before any element");
+            header.elements.back().properties.push_back(read_property(words, input));
         }
         // What remains is comment, obj_info and whatever a program added.
     }
-    throw bytes.error_at(text.at, "the PLY header has no end");
+    throw input.error_at(input.ahead().data(), "the PLY header has no end");
 }
 
 }  // namespace octavo::ply

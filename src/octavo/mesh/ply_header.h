@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <vector>
 
-#include "octavo/core/file_bytes.h"
+#include "octavo/mesh/file_window.h"
 
 namespace octavo::ply {
 
@@ -24,29 +24,29 @@ enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 }
 
 struct Property {
-    std::string_view name;
+    std::string name;
     Type type;
     std::optional<Type> count_type;  // of a list: the type of its length
 };
 
 struct Element {
-    std::string_view name;
+    std::string name;
     std::uint64_t count;
     std::vector<Property> properties;
-    const char* where;  // its line in the header
+    std::uint64_t where;  // in the file: its line in the header
 
     /// The fewest bytes that one of these can take in a file.
     [[nodiscard]] std::size_t min_bytes(Format format) const;
 };
 
-/// What a PLY file says about itself before its data. Views point into the file's bytes.
+/// What a PLY file says about itself before its data.
 struct Header {
     Format format = Format::ascii;
     std::vector<Element> elements;
-    const char* body = nullptr;  // the first byte after the header
 };
 
+/// Reads what is ahead of the window up to the data, which are then ahead.
 /// @throws Error bad_input, with the byte
-[[nodiscard]] Header read_header(const FileBytes& bytes);
+[[nodiscard]] Header read_header(FileWindow& input);
 
 }  // namespace octavo::ply

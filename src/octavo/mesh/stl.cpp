@@ -9,6 +9,7 @@
 
 #include "octavo/mesh/formats.h"
 #include "octavo/mesh/text_cursor.h"
+#include "octavo/mesh/word_reader.h"
 
 namespace octavo {
 namespace {
@@ -18,46 +19,53 @@ static_assert(std::endian::native == std::endian::little, "binary STL is little-
 constexpr std::size_t kHeaderSize = 84;    // 80 bytes of anything, then the count
 constexpr std::size_t kTriangleSize = 50;  // normal, three corners, two bytes
 
-std::uint64_t announced_count(std::string_view view) {
+std::uint64_t announced_count(std::string_view start) {
     std::uint32_t count = 0;
-    std::memcpy(&count, view.data() + 80, 4);
+    std::memcpy(&count, start.data() + 80, 4);
     return count;
 }
 
-/// Binary files may begin with "solid" too, so the size decides first, then the words of a text.
-bool is_binary(std::string_view view) {
-    if (view.size() >= kHeaderSize &&
-        view.size() == kHeaderSize + kTriangleSize * announced_count(view))
+/// Binary files may begin with "solid" too, so the size decides first, then the words of a text. In
+/// long gzip data the size is not known, but few binary files have no zero near their beginning.
+bool is_binary(const FileWindow& input) {
+    const std::string_view start = input.ahead();
+    if (start.size() >= kHeaderSize &&
+        input.most_ahead() == kHeaderSize + kTriangleSize * announced_count(start))
         return true;
-    TextCursor text(view);
+    TextCursor text(start);
     const std::string_view first = text.word();
     if (first.size() < 5 || (first[0] != 's' && first[0] != 'S')) return true;
-    return view.substr(0, 4096).find('\0') != std::string_view::npos;
+    return start.substr(0, 4096).find('\0') != std::string_view::npos;
 }
 
-Scene read_binary(const FileBytes& bytes) {
-    const std::string_view view = bytes.view();
-    if (view.size() < kHeaderSize)
-        throw bytes.error_at(view.data() + view.size(), "is too short for an STL file");
-    const std::uint64_t count = announced_count(view);
-    if (count > (view.size() - kHeaderSize) / kTriangleSize)
-        throw bytes.error_at(view.data() + 80, "the header announces " + std::to_string(count) +
-                                                   " triangles, more than the file has room for");
+Scene read_binary(FileWindow& input) {
+    const char* header = input.take(kHeaderSize);
+    if (header == nullptr)
+        throw input.error_at(input.offset_of(input.begin()) + input.ahead().size(),
+                             "is too short for an STL file");
+    const std::uint64_t count = announced_count({header, kHeaderSize});
+    if (count > input.most_ahead() / kTriangleSize)
+        throw input.error_at(header + 80, "the header announces " + std::to_string(count) +
+                                              " triangles, more than the file has room for");
     if (3 * count > Scene::kNoMaterial)
-        throw Error(Errc::limit, bytes.file(), "has more than 2^32 corners");
+        throw Error(Errc::limit, input.file(), "has more than 2^32 corners");
 
     Scene scene;
-    scene.positions.reserve(3 * count);
-    scene.triangles.reserve(count);
+    const std::uint64_t likely_count = std::min(count, input.expected_ahead() / kTriangleSize);
+    scene.positions.reserve(3 * likely_count);
+    scene.triangles.reserve(likely_count);
     for (std::uint64_t i = 0; i < count; ++i) {
+        const char* triangle = input.take(kTriangleSize);
+        if (triangle == nullptr)
+            throw input.error_at(input.ahead().data(), "the file ends too early");
         float corner[9];
-        std::memcpy(corner, view.data() + kHeaderSize + i * kTriangleSize + 12, sizeof corner);
+        std::memcpy(corner, triangle + 12, sizeof corner);
         for (const int c : {0, 3, 6})
             scene.positions.emplace_back(corner[c], corner[c + 1], corner[c + 2]);
         const auto first = static_cast<std::uint32_t>(3 * i);
         scene.triangles.emplace_back(first, first + 1, first + 2);
     }
-    if (view.size() > kHeaderSize + kTriangleSize * count)
+    if (input.take(1) != nullptr)
         scene.warnings.push_back("bytes after the last triangle were passed over");
     return scene;
 }
@@ -67,55 +75,53 @@ bool equals_ignoring_case(std::string_view word, std::string_view lowercase) {
                       [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
 }
 
-Scene read_text(const FileBytes& bytes) {
+Scene read_text(FileWindow& input) {
     Scene scene;
-    TextCursor text(bytes.view());
+    WordReader words(input);
+    TextCursor& text = words.text;
     std::size_t corners = 0;  // of this facet so far
     bool ended = false;
-    for (;;) {
+    while (words.find()) {
         const std::string_view word = text.word();
-        if (word.empty()) break;
         const auto is = [word](std::string_view name) { return equals_ignoring_case(word, name); };
         if (is("solid") || is("endsolid") || is("end")) {
             ended = !is("solid");
-            text.at = word.data() + word.size();
-            text.line();  // a name, of any words
+            words.skip_line();  // a name, of any words
         } else if (is("facet")) {
             corners = 0;
         } else if (is("vertex")) {
             dvec3 p;
-            for (int axis = 0; axis < 3; ++axis) {
-                text.skip_space();
-                if (!text.number(p[axis]))
-                    throw bytes.error_at(text.at, "a coordinate was expected here");
-            }
+            for (int axis = 0; axis < 3; ++axis)
+                if (!words.find() || !text.number(p[axis]))
+                    throw input.error_at(text.at, "a coordinate was expected here");
             scene.positions.push_back(p);
             ++corners;
         } else if (is("endfacet")) {
             if (corners != 3)
-                throw bytes.error_at(word.data(), "a facet has " + std::to_string(corners) +
+                throw input.error_at(word.data(), "a facet has " + std::to_string(corners) +
                                                       " corners instead of three");
             if (scene.positions.size() > Scene::kNoMaterial)
-                throw Error(Errc::limit, bytes.file(), "has more than 2^32 corners");
+                throw Error(Errc::limit, input.file(), "has more than 2^32 corners");
             const auto first = static_cast<std::uint32_t>(scene.positions.size() - 3);
             scene.triangles.emplace_back(first, first + 1, first + 2);
             corners = 0;
         } else if (is("normal")) {
             // Its numbers are often wrong and sometimes not numbers; voxels do not need them.
-            for (int axis = 0; axis < 3; ++axis) text.word();
+            for (int axis = 0; axis < 3; ++axis)
+                if (words.find()) text.word();
         } else if (!is("outer") && !is("loop") && !is("endloop")) {
-            throw bytes.error_at(word.data(), "is not a word of an STL file");
+            throw input.error_at(word.data(), "is not a word of an STL file");
         }
     }
-    if (corners != 0) throw bytes.error_at(text.at, "the file ends inside a facet");
+    if (corners != 0) throw input.error_at(text.at, "the file ends inside a facet");
     if (!ended) scene.warnings.push_back("has no 'endsolid': it may be cut short");
     return scene;
 }
 
 }  // namespace
 
-Scene formats::read_stl(const FileBytes& bytes) {
-    return is_binary(bytes.view()) ? read_binary(bytes) : read_text(bytes);
+Scene formats::read_stl(FileWindow& input) {
+    return is_binary(input) ? read_binary(input) : read_text(input);
 }
 
 }  // namespace octavo
