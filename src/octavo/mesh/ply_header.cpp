@@ -72,7 +72,7 @@ Header read_header(FileWindow& input) {
 
     Header header;
     while (lines.next(line)) {
-        TextCursor words(line);
+        TextCursor words(TextCursor(line).line());  // without blanks at its ends
         const std::string_view keyword = words.word();
         if (keyword == "end_header") return header;
         if (keyword == "format") {
