@@ -208,7 +208,7 @@ std::string refusal(const Scene& scene, const WordLimits& words, std::uint64_t m
                     std::uint64_t max_memory_bytes) {
     constexpr int kDepth = 10, kTileDepth = 6;
     const Grid grid = smallest_cube(scene.bounds(), kDepth);
-    const TriangleSource source(scene, grid, VoxelRule::conservative, kTileDepth);
+    TriangleSource source(scene, grid, VoxelRule::conservative, kTileDepth);
     const test::TemporaryFolder folder;
     Scratch scratch(folder / "s", 1, kTileDepth - 2);
     ConstructOptions options;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"
 #include "voxelize/brute_force.h"
@@ -164,6 +165,23 @@ TEST(TriangleSource, NonFiniteTrianglesAreCountedAndNotVoxelized) {
     const Grid grid = cube(scene, 5);
     EXPECT_EQ(voxels_of(scene, grid, VoxelRule::conservative, 5), before);
     EXPECT_EQ(FixedMesh(scene, grid).non_finite_triangles(), 2u);
+}
+
+TEST(TriangleSource, GivesBackWhatItKeepsForTilesThatItMayForget) {
+    const Scene scene = random_scene(5, 200'000);
+    TriangleSource source(scene, cube(scene, 7), VoxelRule::conservative, 4);
+    const std::size_t middle = source.tiles().size() / 2;
+    TileOctree before, after;
+    source.voxelize(middle, before);
+    std::uint64_t kept = 0;
+    for (std::size_t i = 0; i < middle; ++i) kept += source.triangles(i).size_bytes();
+    ASSERT_GT(kept, 4u << 20);
+
+    const std::uint64_t resident = resident_bytes();
+    for (std::size_t i = 0; i <= middle; ++i) source.forget_before(i);
+    EXPECT_LT(resident_bytes() + kept / 2, resident);
+    source.voxelize(middle, after);
+    EXPECT_EQ(after.leaves, before.leaves);
 }
 
 TEST(TriangleSource, RefusesATileThatDoesNotSuitTheGrid) {

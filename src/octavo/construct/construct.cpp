@@ -32,8 +32,7 @@ std::vector<std::size_t> tiles_left(std::size_t tiles,
 /// The build in progress.
 class Construction {
 public:
-    Construction(const VoxelSource& source, int depth, const ConstructOptions& options,
-                 Scratch& scratch)
+    Construction(VoxelSource& source, int depth, const ConstructOptions& options, Scratch& scratch)
         : source_(source),
           depth_(depth),
           options_(options),
@@ -60,6 +59,7 @@ public:
             run_tiles(source_, tiles, options_.max_memory_bytes != 0, options_.reduce,
                       [&](const TilePart& tile) {
                           builder_.merge(tile);
+                          source_.forget_before(tile.index + 1);
                           report(options_.progress,
                                  {"voxelize", ++tiles_done, source_.tiles().size(),
                                   voxels_done + builder_.voxels()});
@@ -96,7 +96,7 @@ private:
         return freeze_part(*merged, depth_, scratch_.folder(), options_.progress, limits_.words);
     }
 
-    const VoxelSource& source_;
+    VoxelSource& source_;
     int depth_;
     const ConstructOptions& options_;
     MemoryLimits limits_;
@@ -107,7 +107,7 @@ private:
 
 }  // namespace
 
-Constructed construct(const VoxelSource& source, int depth, const ConstructOptions& options,
+Constructed construct(VoxelSource& source, int depth, const ConstructOptions& options,
                       Scratch& scratch) {
     Construction construction(source, depth, options, scratch);
     construction.merge_all_tiles();

@@ -38,6 +38,7 @@ struct Constructed {
 ///
 /// Goes on from the parts that an earlier call left in the scratch folder.
 ///
+/// @param source   forgets its tiles as they are merged
 /// @param depth    of the grid that the source's tiles are cut from
 /// @param scratch  where to keep what is done from time to time, so that a build which is killed
 ///                 can go on, and what the cap leaves no room for. Where it is not available, a
@@ -45,7 +46,7 @@ struct Constructed {
 /// @throws Error io where the scratch cannot be read or written; limit where the memory cap or 2^32
 ///               words would be passed; cancelled
 /// Source        [K13] section 3
-[[nodiscard]] Constructed construct(const VoxelSource& source, int depth,
-                                    const ConstructOptions& options, Scratch& scratch);
+[[nodiscard]] Constructed construct(VoxelSource& source, int depth, const ConstructOptions& options,
+                                    Scratch& scratch);
 
 }  // namespace octavo

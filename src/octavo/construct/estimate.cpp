@@ -145,7 +145,8 @@ Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& 
         const auto is_sorted = std::chrono::steady_clock::now();
         const auto build_part = [&](const TileSample& of, const char* what) {
             PassingScratch scratch(part.scratch, what, plan);
-            return construct(SampledTiles(*sorted.source, of), grid.depth,
+            SampledTiles tiles(*sorted.source, of);  // the source itself forgets nothing
+            return construct(tiles, grid.depth,
                              {.max_store_bytes = part.spill.node_bytes,
                               .expected_nodes = {},
                               .reduce = {},

@@ -2,6 +2,7 @@
 #include "octavo/core/memory.h"
 
 #include <malloc.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -35,6 +36,15 @@ bool restart_peak_resident() {
 
 void trim_memory() {
     malloc_trim(0);
+}
+
+void discard_pages(void* room, std::size_t bytes) {
+    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    const auto begin = reinterpret_cast<std::uintptr_t>(room);
+    const std::uintptr_t first = (begin + page - 1) / page * page;
+    const std::uintptr_t last = (begin + bytes) / page * page;
+    // Advice: where it is not taken, the memory comes back later, with the room.
+    if (first < last) (void)madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
 }
 
 void return_freed_memory() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace octavo {
@@ -19,6 +20,10 @@ bool restart_peak_resident();
 
 /// Gives memory that has been freed back to the system, as far as the allocator holds it.
 void trim_memory();
+
+/// Gives the memory of the whole pages of this room back to the system while the room stays
+/// allocated: it reads as anything afterwards, and takes memory again when it is written.
+void discard_pages(void* room, std::size_t bytes);
 
 /// From now on large blocks come from the system one by one and go back to it at once. By default
 /// glibc begins to keep blocks of up to 32 MiB, and what is kept counts as held. For programs: it

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory.h"
 #include "octavo/core/morton.h"
 #include "octavo/core/radix_sort.h"
 
@@ -77,6 +78,15 @@ void TriangleSource::voxelize(std::size_t index, TileOctree& octree) const {
     rasterize_tile(mesh_, cut_outs_.empty() ? nullptr : &holes, triangles(index),
                    morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
     bitmap.take(octree);
+}
+
+void TriangleSource::forget_before(std::size_t index) {
+    // To ask the system for each tile would take longer than the tile.
+    constexpr std::size_t kAtOnce = (std::size_t{1} << 20) / sizeof(TileTriangle);
+    const std::size_t end = tile_begins_[index];
+    if (end - forgotten_ < kAtOnce) return;
+    discard_pages(pairs_.data() + forgotten_, (end - forgotten_) * sizeof(TileTriangle));
+    forgotten_ = end;
 }
 
 }  // namespace octavo

@@ -44,11 +44,12 @@ public:
     [[nodiscard]] int tile_depth() const override { return tile_depth_; }
     [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override { return tiles_; }
     void voxelize(std::size_t index, TileOctree& octree) const override;
+    void forget_before(std::size_t index) override;
 
     [[nodiscard]] const FixedMesh& mesh() const { return mesh_; }
     [[nodiscard]] const CutOuts& cut_outs() const { return cut_outs_; }
 
-    /// The triangles that meet tiles()[index], in no particular order.
+    /// The triangles that meet tiles()[index], in no particular order. Not once it is forgotten.
     [[nodiscard]] std::span<const TileTriangle> triangles(std::size_t index) const {
         return {pairs_.data() + tile_begins_[index], pairs_.data() + tile_begins_[index + 1]};
     }
@@ -63,6 +64,7 @@ private:
     std::vector<TileTriangle> pairs_;  // sorted
     std::vector<std::uint64_t> tiles_;
     std::vector<std::size_t> tile_begins_;  // into pairs_; one more than there are tiles
+    std::size_t forgotten_ = 0;             // of pairs_, from the first on
     mutable tbb::enumerable_thread_specific<TileBitmap> bitmaps_;
 };
 

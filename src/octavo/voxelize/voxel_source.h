@@ -23,6 +23,10 @@ public:
     /// Replaces `octree` by the voxels of tiles()[index], in all heights up to tile_depth() - 2.
     /// The result depends on nothing but the source and the tile.
     virtual void voxelize(std::size_t index, TileOctree& octree) const = 0;
+
+    /// Says that the tiles before tiles()[index] are not voxelized any more, so that what is kept
+    /// for them alone need not be. Others may be voxelized meanwhile.
+    virtual void forget_before([[maybe_unused]] std::size_t index) {}
 };
 
 }  // namespace octavo
