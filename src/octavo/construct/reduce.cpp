@@ -2,6 +2,7 @@
 #include "octavo/construct/reduce.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <span>
 #include <vector>
@@ -85,6 +86,40 @@ std::size_t find_parents(UniqueNodes& parents, LeafReducer& reducer, RecentParen
     return i;
 }
 
+/// Leaves to their ids, a batch at a time: first all are looked for without a branch on whether
+/// they are there, which can hardly be foretold, and then those that were not seen are added, in
+/// order. Where most are new, that can be foretold, and they are added at once.
+void reduce_leaves(UniqueNodes& level, std::span<const std::uint64_t> leaves,
+                   std::uint32_t* nodes) {
+    constexpr std::size_t kBatch = 64;
+    constexpr std::size_t kMostlyNew = kBatch * 5 / 8;
+    constexpr int kBatchesAtOnce = 7;  // after one that was mostly new
+    std::array<std::uint64_t, kBatch> hashes;
+    std::array<std::uint8_t, kBatch> unseen;
+    int at_once = 0;
+    while (!leaves.empty()) {
+        const auto batch = leaves.first(std::min(kBatch, leaves.size()));
+        if (at_once > 0) {
+            --at_once;
+            for (std::size_t i = 0; i < batch.size(); ++i) nodes[i] = level.add_leaf(batch[i]);
+        } else {
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < batch.size(); ++i) {
+                hashes[i] = UniqueNodes::hash_leaf(batch[i]);
+                const Glance glance = level.glance_leaf(batch[i], hashes[i]);
+                nodes[i] = glance.id;
+                unseen[count] = static_cast<std::uint8_t>(i);
+                count += !glance.seen;
+            }
+            for (std::size_t k = 0; k < count; ++k)
+                nodes[unseen[k]] = level.add_leaf(batch[unseen[k]], hashes[unseen[k]]);
+            if (count > kMostlyNew) at_once = kBatchesAtOnce;
+        }
+        leaves = leaves.subspan(batch.size());
+        nodes += batch.size();
+    }
+}
+
 /// Puts nodes in place of their children, from this one on.
 void reduce_children(UniqueNodes& level, std::span<const std::uint8_t> masks,
                      const std::uint32_t* children, std::uint32_t* nodes) {
@@ -106,15 +141,14 @@ void reduce_tile(NodeStore& store, const TileOctree& octree, ReduceScratch& scra
 
     std::uint32_t* const nodes = scratch.nodes.data();
 
-    LeafReducer reducer(store.level(0), scratch);
     std::size_t parents = 0, leaves = 0;  // done
     if (store.top() > 0) {
+        LeafReducer reducer(store.level(0), scratch);
         parents = find_parents(store.level(1), reducer, scratch.recent_parents, octree, nodes);
         for (std::size_t i = 0; i < parents; ++i)
             leaves += static_cast<unsigned>(std::popcount(octree.child_masks(1)[i]));
     }
-    for (std::size_t i = leaves; i < octree.leaves.size(); ++i)
-        nodes[i] = reducer.id_of(octree.leaves[i]);
+    reduce_leaves(store.level(0), std::span(octree.leaves).subspan(leaves), nodes + leaves);
     for (int height = 1; height <= store.top(); ++height) {
         const std::size_t done = height == 1 ? parents : 0;
         reduce_children(store.level(height), std::span(octree.child_masks(height)).subspan(done),

@@ -53,6 +53,12 @@ private:
     }();
 };
 
+/// What a first look for a leaf tells.
+struct Glance {
+    std::uint32_t id;  // where it is seen
+    bool seen;
+};
+
 /// The different nodes of one level, each stored once, in the order in which they were first asked
 /// for (hash-consing). A node is its words: a leaf's two halves, or a child mask and the ids of the
 /// children. Its id is the index of its first word among the level's words.
@@ -112,6 +118,14 @@ public:
         }
     }
 
+    /// Looks at the one place where a leaf mostly is, without a branch on whether it is: so one
+    /// that is there may go unseen, and is to be asked for by add_leaf().
+    [[nodiscard]] Glance glance_leaf(std::uint64_t voxels, std::uint64_t hash) const {
+        if (count_ == 0) return {0, false};
+        const std::uint32_t id = likely_id(hash);
+        return {id, voxels_of(words_.data() + id) == voxels};
+    }
+
     /// Adds nodes that stand one after the other, all of them new, so that their ids go on where
     /// the others end. False where the words are no such nodes; some of them may then have been
     /// added.
@@ -146,10 +160,7 @@ public:
     /// Starts to fetch what it looks at next; to be called when the slot has had time to arrive.
     void prefetch_node(std::uint64_t hash) const {
         if (buckets_.empty()) return;
-        const Bucket& bucket = buckets_[home(hash)];
-        const unsigned like = bucket.with_tag(tag_of(hash));
-        if (like == 0) return;
-        const std::uint32_t id = bucket.ids[std::countr_zero(like)];
+        const std::uint32_t id = likely_id(hash);
         prefetch_line(words_.data() + id);
         prefetch_line(words_.data() + id + kMaxNodeWords - 1);  // may be another line
     }
@@ -265,6 +276,12 @@ private:
     }
     [[nodiscard]] std::size_t next(std::size_t bucket) const {
         return (bucket + 1) & (buckets_.size() - 1);
+    }
+    /// The first id of the hash's bucket that has its tag; if none has, that of any node.
+    [[nodiscard]] std::uint32_t likely_id(std::uint64_t hash) const {
+        const Bucket& bucket = buckets_[home(hash)];
+        constexpr unsigned kLast = 1u << (Bucket::kSize - 1);
+        return bucket.ids[std::countr_zero(bucket.with_tag(tag_of(hash)) | kLast)];
     }
     std::uint32_t append_leaf(std::uint64_t voxels, Bucket& bucket, std::uint8_t tag);
     std::uint32_t append_interior(std::uint32_t child_mask, const ChildIds& children,
