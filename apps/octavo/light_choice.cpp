@@ -37,7 +37,8 @@ void add_light_choice(CLI::App& command, LightChoice& choice) {
                     "gradient:zenith=R,G,B:horizon=R,G,B:ground=R,G,B, or an .exr or .hdr picture; "
                     "with :power=FACTOR, a picture also with :turn=DEGREES")
         ->type_name("SKY");
-    add_parsed(command, "--up", choice.up, parse_vec3, "Which way is up; 0,1,0", "X,Y,Z");
+    add_parsed(command, "--up", choice.up, parse_vec3,
+               "Which way is up, for camera, sun and sky; 0,1,0", "X,Y,Z");
 }
 
 std::optional<std::vector<Light>> asked_lights(const LightChoice& choice, const Model& model) {
