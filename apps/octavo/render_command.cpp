@@ -11,6 +11,7 @@
 #include "help.h"
 #include "lit_render.h"
 #include "octavo/backend/device.h"
+#include "octavo/core/file_name.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "output.h"
@@ -50,7 +51,7 @@ PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
 }
 
 void check_extension(const std::filesystem::path& file) {
-    const std::string extension = file.extension().string();
+    const std::string extension = lowercase_extension(file);
     if (extension != ".png" && extension != ".exr")
         throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
 }

@@ -42,6 +42,14 @@ protected:
     Image image_{37, 11};
 };
 
+TEST_F(ImageFile, FormatIsKnownByTheExtensionInAnyCase) {
+    for (const char* name : {"a.PNG", "a.Exr"}) {
+        write_image(folder_ / name, image_, 0.0);
+        EXPECT_TRUE(std::filesystem::exists(folder_ / name));
+    }
+    EXPECT_THROW(write_image(folder_ / "a.jpg", image_, 0.0), Error);
+}
+
 TEST_F(ImageFile, PngHoldsTheToneMappedPixels) {
     const auto file = folder_ / "a.png";
     write_image(file, image_, 0.5);

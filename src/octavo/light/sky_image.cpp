@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "octavo/core/file_bytes.h"
+#include "octavo/core/file_name.h"
 #include "octavo/light/sky.h"
 
 namespace octavo {
@@ -182,10 +183,7 @@ SkyImage load_hdr(const FileBytes& bytes) {
 }  // namespace
 
 SkyImage load_sky_image(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
+    const std::string extension = lowercase_extension(file);
     if (extension != ".exr" && extension != ".hdr")
         throw Error(Errc::unsupported, file, "a sky's name ends in .exr or .hdr");
     const FileBytes bytes = read_file(file, kMostBytes);

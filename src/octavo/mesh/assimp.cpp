@@ -7,10 +7,10 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <cmath>
 #include <vector>
 
+#include "octavo/core/file_name.h"
 #include "octavo/mesh/color.h"
 #include "octavo/mesh/confined_path.h"
 #include "octavo/mesh/formats.h"
@@ -62,8 +62,7 @@ struct Customs {
     bool texture_alpha_is_holes = false;
 };
 Customs customs_of(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowercase_extension(file);
     if (extension == ".blend") return {.z_is_up = true};
     if (extension == ".ac" || extension == ".acc") return {.texture_alpha_is_holes = true};
     return {};
@@ -241,7 +240,7 @@ private:
 
 bool formats::assimp_knows(const std::filesystem::path& file) {
     // The 3MF reader of assimp 5.2 frees memory twice on ordinary files.
-    if (file.extension() == ".3mf" || file.extension() == ".3MF") return false;
+    if (lowercase_extension(file) == ".3mf") return false;
     const Assimp::Importer importer;
     return importer.IsExtensionSupported(file.extension().string());
 }

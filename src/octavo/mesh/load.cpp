@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "octavo/core/file_name.h"
 #include "octavo/core/memory.h"
 #include "octavo/mesh/child_process.h"
 #include "octavo/mesh/formats.h"
@@ -15,16 +16,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lowercase(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 /// ".ply" for "scan.PLY" and "scan.ply.gz".
 std::string format_extension(const fs::path& file) {
-    const std::string extension = lowercase(file.extension().string());
-    return extension == ".gz" ? lowercase(file.stem().extension().string()) : extension;
+    const std::string extension = lowercase_extension(file);
+    return extension == ".gz" ? lowercase_extension(file.stem()) : extension;
 }
 
 // Two formats say what they are, whatever the file is called.

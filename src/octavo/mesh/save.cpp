@@ -2,6 +2,7 @@
 #include "octavo/mesh/save.h"
 
 #include "octavo/core/error.h"
+#include "octavo/core/file_name.h"
 #include "octavo/mesh/exact_math.h"
 #include "octavo/mesh/save_formats.h"
 
@@ -13,9 +14,7 @@ using Writer = void (*)(const Scene&, const std::filesystem::path&);
 
 /// None for another extension.
 Writer writer_of(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const std::string extension = lowercase_extension(file);
     if (extension == ".glb") return formats::write_glb;
     if (extension == ".obj") return formats::write_obj;
     if (extension == ".ply") return formats::write_ply;
