@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "build_estimate.h"
 #include "commands.h"
 #include "help.h"
 #include "interrupt.h"
@@ -34,6 +35,7 @@ namespace {
 
 constexpr const char* kExamples =
     "  octavo build scene.glb -o scene.octv --resolution 4K\n"
+    "  octavo build scene.glb --resolution 128K --estimate\n"
     "  octavo build sample:courtyard -o courtyard.octv --resolution 1024 --compress\n"
     "  octavo build sample:city -o city.octv --resolution 32K --max-memory 2G\n"
     "  mpirun -n 4 octavo build scene.glb -o scene.octv --resolution 16K\n"
@@ -53,6 +55,7 @@ struct BuildArguments {
     AttributeOptions attributes;
     int attribute_quality = 100;
     bool compress = false;
+    bool estimate = false;
     bool force = false;
     bool quiet = false;
     bool json = false;
@@ -124,6 +127,11 @@ Scene import_scene(const std::string& input) {
     return read_scene(input);
 }
 
+ProgressMeter::Style progress_style(const BuildArguments& arguments) {
+    using Style = ProgressMeter::Style;
+    return arguments.quiet ? Style::quiet : arguments.json ? Style::json : Style::people;
+}
+
 void print_warnings(const std::vector<std::string>& warnings, const BuildArguments& arguments) {
     if (arguments.quiet) return;
     for (const std::string& warning : warnings) fmt::print(stderr, "octavo: {}\n", warning);
@@ -155,25 +163,16 @@ std::string report_text(const BuildArguments& arguments, const OctvSummary& summ
         times.write_seconds, grouped(peak_resident_bytes() / 1'000'000));
 }
 
-std::string estimate_text(const Estimate& estimate, std::uint64_t cap) {
-    std::string text = fmt::format("about {:.0f} s, {} MB of memory, a file of {} MB",
-                                   estimate.seconds, grouped(estimate.peak_bytes / 1'000'000),
-                                   grouped(estimate.file_bytes() / 1'000'000));
-    if (cap != 0 && estimate.peak_bytes > cap && estimate.least_bytes <= cap)
-        text += fmt::format("; {} MB are allowed, and up to {} MB spill to disk",
-                            grouped(cap / 1'000'000), grouped(estimate.scratch_bytes / 1'000'000));
-    return text;
+std::string estimated_json(const Estimate& estimate) {
+    Json json = {{"phase", "estimated"}, {"seconds_left", estimate.seconds}};
+    json.update(estimate_json(estimate));
+    return json.dump();
 }
 
-std::string estimate_json(const Estimate& estimate) {
-    return Json{{"phase", "estimated"},
-                {"seconds_left", estimate.seconds},
-                {"peak_bytes", estimate.peak_bytes},
-                {"least_bytes", estimate.least_bytes},
-                {"scratch_bytes", estimate.scratch_bytes},
-                {"dag_bytes", estimate.dag_bytes},
-                {"attribute_bytes", estimate.attribute_bytes}}
-        .dump();
+Estimate estimate_at(const Scene& scene, const BuildArguments& arguments,
+                     const BuildOptions& options) {
+    return estimate_build(scene, options,
+                          arguments.attribute_names.empty() ? nullptr : &arguments.attributes);
 }
 
 /// Says what a long build will take, and refuses one that the cap cannot hold.
@@ -189,14 +188,16 @@ void announce_estimate(const Scene& scene, BuildArguments& arguments, ProgressMe
                                              "are allowed: a larger --max-memory is needed",
                                              taken >> 20, cap >> 20));
     meter.begin_phase("estimate");
-    const bool with_attributes = !arguments.attribute_names.empty();
-    const Estimate estimate =
-        estimate_build(scene, options, with_attributes ? &arguments.attributes : nullptr);
+    const Estimate estimate = estimate_at(scene, arguments, options);
     meter.finish();
+    const Room room = room_for(arguments.output, cap);
     if (!arguments.quiet)
         fmt::print(stderr, "{}\n",
-                   arguments.json ? estimate_json(estimate) : estimate_text(estimate, cap));
+                   arguments.json ? estimated_json(estimate) : estimate_line(estimate, room));
+    require_words(estimate);
     require_memory(estimate, cap);
+    if (const std::string what = shortage(estimate, room); !what.empty())
+        print_warnings({what}, arguments);
     arguments.options.expected_nodes = estimate.level_nodes;
 }
 
@@ -217,7 +218,7 @@ void settle_options(BuildArguments& arguments) {
                             .depth = options.depth};
         check_grid(*options.grid);
     }
-    options.scratch = scratch_of(arguments);
+    if (!arguments.estimate) options.scratch = scratch_of(arguments);
     options.keep_scratch = true;  // until the file is written
     options.journal_interval =
         std::chrono::milliseconds(std::llround(1000.0 * arguments.journal_seconds));
@@ -232,6 +233,65 @@ void warn_of_no_area(const Metadata& of, const BuildArguments& arguments) {
                        arguments);
 }
 
+/// The grid with cells twice as wide, of which the scene takes the same part.
+BuildOptions one_level_coarser(BuildOptions options) {
+    --options.depth;
+    --options.grid->depth;
+    options.grid->voxel_size *= 2.0;
+    return options;
+}
+
+/// In place of a build: what it would give and take, at this resolution and at lower ones.
+void print_estimates(BuildArguments& arguments) {
+    constexpr int kLeastDepth = 10;  // below this builds take little of anything
+    return_freed_memory();
+    settle_options(arguments);
+    BuildOptions options = arguments.options;
+    ProgressMeter meter(progress_style(arguments));
+    options.progress = meter.function();
+    meter.begin_phase("import");
+    Scene scene;
+    with_threads(options.threads, [&] { scene = import_scene(arguments.input); });
+    throw_if_interrupted();
+    meter.finish();
+    print_warnings(scene.warnings, arguments);
+
+    if (!options.grid) options.grid = smallest_cube(scene.bounds(), options.depth);
+    meter.begin_phase("estimate");
+    // The coarsest first: what has been the most memory so far counts for all that come later.
+    std::vector<BuildOptions> grids = {options};
+    while (grids.back().depth > std::max(kLeastDepth, arguments.attributes.level))
+        grids.push_back(one_level_coarser(grids.back()));
+    std::vector<Estimate> estimates;
+    double last_seconds = 0.0, seconds = 0.0;
+    for (Stopwatch watch; !grids.empty(); grids.pop_back()) {
+        estimates.insert(estimates.begin(), estimate_at(scene, arguments, grids.back()));
+        seconds += last_seconds = watch.lap();
+    }
+    meter.finish();
+
+    const Room room =
+        room_for(arguments.output.empty() ? "." : arguments.output, options.max_memory_bytes);
+    if (arguments.json) {
+        Json json = {{"source", source_name(arguments.input)},
+                     {"triangles", scene.triangles.size()},
+                     {"threads", options.threads > 0 ? options.threads : available_threads()},
+                     {"estimate_seconds", seconds},
+                     {"free_memory_bytes", room.memory_bytes},
+                     {"free_disk_bytes", room.disk_bytes},
+                     {"estimates", Json::array()}};
+        for (const Estimate& estimate : estimates)
+            json["estimates"].push_back(estimate_json(estimate));
+        print(json.dump(2) + "\n");
+        return;
+    }
+    print(estimate_table(estimates, room) +
+          fmt::format("\nFrom {:.2g} % of the tiles of the first row, in {:.2f} s, all rows in "
+                      "{:.2f} s.\npeak: at most, without --max-memory; least: the least "
+                      "--max-memory; spill: at most, on disk.\n",
+                      100.0 * estimates.front().sampled, last_seconds, seconds));
+}
+
 void build_file(BuildArguments& arguments, Machines& machines) {
     if (machines.is_first())
         check_output(arguments.output, arguments.force, {arguments.input});
@@ -240,10 +300,7 @@ void build_file(BuildArguments& arguments, Machines& machines) {
     return_freed_memory();
     settle_options(arguments);
     BuildOptions& options = arguments.options;
-    using Style = ProgressMeter::Style;
-    ProgressMeter meter(arguments.quiet  ? Style::quiet
-                        : arguments.json ? Style::json
-                                         : Style::people);
+    ProgressMeter meter(progress_style(arguments));
     options.progress = meter.function();
     const bool with_attributes = !arguments.attribute_names.empty();
     BuildTimes times;
@@ -294,7 +351,12 @@ void build_file(BuildArguments& arguments, Machines& machines) {
 
 void run_build(BuildArguments& arguments) {
     Machines machines;
-    machines.run([&] { build_file(arguments, machines); });
+    machines.run([&] {
+        if (!arguments.estimate)
+            build_file(arguments, machines);
+        else if (machines.is_first())
+            print_estimates(arguments);
+    });
 }
 
 void add_voxel_options(CLI::App& command, BuildArguments& arguments) {
@@ -364,12 +426,15 @@ void add_build_command(CLI::App& program) {
                     "A scene: glTF, GLB, OBJ, PLY, STL and more; or sample:NAME, see octavo sample")
         ->required()
         ->type_name("");
-    command.add_option("-o,--output", arguments->output, "The .octv file to write")
-        ->required()
-        ->type_name("FILE");
+    const CLI::Option* output =
+        command.add_option("-o,--output", arguments->output, "The .octv file to write")
+            ->type_name("FILE");
     add_parsed(command, "-r,--resolution", arguments->options.depth, parse_resolution,
                "Voxels along each side: a power of two from 4 to 128K", "N")
         ->required();
+    command.add_flag("--estimate", arguments->estimate,
+                     "Build nothing: print what this resolution and lower ones would give and "
+                     "take, told from a sample of tiles");
     command.add_flag("--compress", arguments->compress,
                      "Compress the DAG: a smaller file that takes longer to open");
     command.add_flag("--json", arguments->json,
@@ -380,7 +445,10 @@ void add_build_command(CLI::App& program) {
     add_voxel_options(command, *arguments);
     add_surface_options(command, *arguments);
     add_work_options(command, *arguments);
-    command.callback([arguments] { run_build(*arguments); });
+    command.callback([arguments, output] {
+        if (!arguments->estimate && output->count() == 0) throw CLI::RequiredError("--output");
+        run_build(*arguments);
+    });
 }
 
 }  // namespace octavo::cli

@@ -214,5 +214,45 @@ TEST(Build, ProgressForProgramsIsAnObjectOfJsonInEachLine) {
         "");
 }
 
+TEST(Build, EstimateHasARowForEachResolutionAndLeavesNoFile) {
+    const TemporaryFolder folder;
+    const Outcome table =
+        run_shell(folder.path(), "octavo build sample:courtyard -r 4K --estimate");
+    EXPECT_EQ(table.code, 0) << table.err;
+    for (const char* row : {"\n    4096 ", "\n    2048 ", "\n    1024 "})
+        EXPECT_NE(table.out.find(row), std::string::npos) << table.out;
+
+    const Outcome json =
+        run_shell(folder.path(),
+                  "octavo build sample:courtyard -r 2K --estimate --json --attributes color "
+                  "--max-memory 1G -o unused.octv");
+    ASSERT_EQ(json.code, 0) << json.err;
+    const auto estimates = nlohmann::json::parse(json.out).at("estimates");
+    ASSERT_EQ(estimates.size(), 2u);
+    EXPECT_EQ(estimates[0].at("resolution"), 2048);
+    EXPECT_GT(estimates[0].at("attribute_bytes"), 0);
+    EXPECT_GT(estimates[0].at("dag_bytes"), estimates[1].at("dag_bytes"));
+    EXPECT_EQ(folder.entries(), 0u);
+
+    EXPECT_EQ(run_shell(folder.path(), "octavo build sample:courtyard -r 64").code, 2);
+}
+
+TEST(Build, TheEstimatedPeakIsNotPassedAndIsEnoughAsACap) {
+    const TemporaryFolder folder;
+    for (const std::string scene : {"sample:courtyard -r 2K ", "sample:city -r 1K "}) {
+        const std::string build = "octavo build --json --threads 2 " + scene;
+        const Outcome estimated = run_shell(folder.path(), build + "--estimate");
+        ASSERT_EQ(estimated.code, 0) << estimated.err;
+        const auto estimate = nlohmann::json::parse(estimated.out).at("estimates").at(0);
+        const auto peak = estimate.at("peak_bytes").get<std::uint64_t>();
+        for (const std::string& cap : {std::string(), " --max-memory " + std::to_string(peak)}) {
+            const Outcome built = run_shell(folder.path(), build + "-f -o a.octv" + cap);
+            ASSERT_EQ(built.code, 0) << built.err;
+            const auto truth = nlohmann::json::parse(built.out);
+            EXPECT_LE(truth.at("build").at("peak_rss_bytes"), peak) << scene << cap;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace octavo::test

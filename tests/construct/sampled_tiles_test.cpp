@@ -13,25 +13,22 @@
 namespace octavo {
 namespace {
 
-TEST(TileSample, HasItsShareAndItsQuartersMakeItUp) {
+TEST(TileSample, HasItsShareAndItsPiecesAreRarerSamples) {
     const TileSample sample{2, 5};
     std::size_t count = 0;
-    std::array<std::size_t, 4> of_quarter{};
+    std::array<std::size_t, 16> of_piece{};
     for (std::uint32_t code = 0; code < 32 * 32 * 32; ++code) {
         const uvec3 tile = morton_decode(code);
-        std::size_t in = 0;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const bool has = sample.quarter(i).has(tile);
-            in += has;
-            of_quarter[i] += has;
-        }
-        ASSERT_EQ(in, sample.has(tile) ? 1u : 0u) << code;
-        count += in;
         ASSERT_TRUE(TileSample{}.has(tile));
+        for (unsigned i = 0; i < 16; ++i) {
+            const bool has = TileSample{4, 16 * sample.part + i}.has(tile);
+            ASSERT_EQ(has, sample.has(tile) && sample.piece_of(tile) == i) << code;
+            count += has;
+            of_piece[i] += has;
+        }
     }
     EXPECT_NEAR(static_cast<double>(count), 2048, 200);
-    for (const std::size_t quarter : of_quarter)
-        EXPECT_NEAR(static_cast<double>(quarter), 512, 100);
+    for (const std::size_t piece : of_piece) EXPECT_NEAR(static_cast<double>(piece), 128, 50);
 }
 
 TEST(TileSample, TrianglesThatMeetItsTilesAreAmongItsOwn) {

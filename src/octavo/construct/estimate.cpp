@@ -2,16 +2,12 @@
 #include "octavo/construct/estimate.h"
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "octavo/construct/build_plan.h"
-#include "octavo/construct/construct.h"
-#include "octavo/construct/sampled_tiles.h"
-#include "octavo/construct/scratch.h"
+#include "octavo/construct/sample_trial.h"
+#include "octavo/construct/word_limits.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/parallel.h"
@@ -19,21 +15,9 @@
 namespace octavo {
 namespace {
 
-// Of the tiles one in 4^3 is built, and of these one in four once more to see how the DAG grows
-// with what is in it; of grids below 4096^3, which have few tiles, more.
-constexpr int kMostRarity = 3;
-constexpr int kWholeDepth = 9;  // up to here all
-
-// Under a cap the triangles of the sample may take an eighth of it.
-constexpr std::uint64_t kCapPerSample = 8;
-constexpr int kMostRarityUnderCap = 5;
-
-// Small tiles, so that there are many.
-constexpr int kTileDepth = 5, kMaxTileDepth = 7;
-constexpr int kTilesDepth = 7;
-
-// While it grows, the store holds the DAG and tables of 6 to 13 bytes for nodes of about 20.
-constexpr double kStoreBytesPerDagByte = 1.6;
+// While it grows, the store holds the DAG's words and tables, which just after one has grown take a
+// bucket of 64 bytes for 4.5 nodes.
+constexpr std::uint64_t kTableBytesPerNode = 15;
 constexpr std::uint64_t kBytesPerThread = 16 << 20;  // tiles in flight
 
 // Where everything spills: the program itself and its buffers, tiles in flight, and in the merge an
@@ -44,6 +28,12 @@ constexpr double kMergeBytesPerDagByte = 0.1;
 
 // Parts hold a node more than once, the merged part and the finished words once each.
 constexpr double kScratchBytesPerDagByte = 3.5;
+
+// A curve that bends is carried on between two ways: as if it bent no more, and twice as much
+// more with each step as in the sample; most likely once as much.
+constexpr double kLikelyBend = 1.0, kMostBend = 2.0;
+constexpr double kModelError = 0.05;       // of what is carried on so
+constexpr double kBytesPerNodeAbove = 20;  // tiles: a mask and some four children
 
 // A cell's attributes, in blocks with palettes: textured surfaces take most for colour, normals of
 // curved ones for these.
@@ -60,155 +50,96 @@ constexpr double kTableBytesPerCell = 6 * 4.0 / CellValues::kBlockCells;
 // attributes was refused under 66M, which was advised, for want of 2 MiB.
 constexpr double kAdvisedPart = 1.0625;
 
-/// What building a sample took.
-struct Trial {
-    double sort_seconds = 0.0;
-    double tile_seconds = 0.0;
-    double dag_bytes = 1.0;
-    double quarter_bytes = 1.0;  // of a DAG of a quarter of the sample, on average
-    double triangles = 0.0;      // sorted
-    Statistics statistics;
-    std::vector<double> quarter_nodes;  // of each level, likewise
-};
-
-/// A scratch folder in that of the build, or none, that is gone afterwards, come what may. What a
-/// forecast that is killed leaves there goes with the build's own, whichever build ends next.
-class PassingScratch {
-public:
-    /// @param of_build  its scratch folder, or none
-    PassingScratch(std::filesystem::path of_build, const char* what, const BuildPlan& plan)
-        : of_build_(std::move(of_build)),
-          folder_(of_build_.empty() ? of_build_
-                                    : of_build_ / (kEstimatePrefix + std::string(what))),
-          scratch_(folder_, plan.key, plan.tile_depth - 2) {
-        if (of_build_.empty()) return;
-        std::error_code error;
-        std::filesystem::create_directory(of_build_, error);
-        if (error) throw Error(Errc::io, of_build_, "cannot make this folder: " + error.message());
-    }
-    ~PassingScratch() {
-        scratch_.remove();
-        if (of_build_.empty()) return;
-        delete_scratch(folder_);  // as an earlier one, killed, left it
-        std::error_code ignored;
-        std::filesystem::remove(of_build_, ignored);  // unless there is something else in it
-    }
-    PassingScratch(const PassingScratch&) = delete;
-    PassingScratch& operator=(const PassingScratch&) = delete;
-
-    [[nodiscard]] Scratch& operator*() { return scratch_; }
-
-private:
-    std::filesystem::path of_build_, folder_;
-    Scratch scratch_;
-};
-
-/// Those of the sample, which becomes smaller where they would take too much of a cap.
-Scene sampled_triangles(const Scene& scene, const BuildOptions& options, const Grid& grid,
-                        int tile_depth, TileSample& sample) {
-    const std::uint64_t most = options.max_memory_bytes / kCapPerSample;
-    std::vector<std::size_t> chosen = triangles_in_sample(scene, grid, tile_depth, sample);
-    while (most != 0 && sample.rarity < kMostRarityUnderCap &&
-           kBareTriangleBytes * chosen.size() > most) {
-        ++sample.rarity;
-        chosen = triangles_in_sample(scene, grid, tile_depth, sample);
-    }
-    return bare_scene(scene, chosen);
-}
-
-/// @param disposable  the triangles, if they may be given up once they are sorted; or null
-Trial try_sample(const Scene& triangles, Scene* disposable, const BuildOptions& options,
-                 const Grid& grid, int tile_depth, const TileSample& sample) {
-    if (triangles.triangles.empty()) return {};
-    BuildOptions part;
-    part.grid = grid;
-    part.rule = options.rule;
-    part.threads = options.threads;
-    part.tile = 1u << tile_depth;
-    // Not the cap itself: one that cannot be kept is to be found here and not to stop us.
-    if (options.max_memory_bytes != 0 && !options.scratch.empty()) {
-        part.scratch = options.scratch;
-        part.spill = {options.max_memory_bytes / 4 + 1, options.max_memory_bytes / 8 + 1};
-    }
-    part.progress = [&](const Progress&) {
-        // Only to let the caller stop: these tiles are not progress of theirs.
-        return !options.progress || options.progress({"estimate", 0, 0, 0});
-    };
-    Trial trial;
-    trial.triangles = static_cast<double>(triangles.triangles.size());
-    with_threads(options.threads, [&] {
-        const auto start = std::chrono::steady_clock::now();
-        const BuildPlan plan = plan_build(triangles, part);
-        PassingScratch for_triangles(part.scratch, "triangles", plan);
-        const SortedTriangles sorted =
-            sort_triangles(triangles, disposable, plan, part, *for_triangles);
-        const auto is_sorted = std::chrono::steady_clock::now();
-        const auto build_part = [&](const TileSample& of, const char* what) {
-            PassingScratch scratch(part.scratch, what, plan);
-            SampledTiles tiles(*sorted.source, of);  // the source itself forgets nothing
-            return construct(tiles, grid.depth,
-                             {.max_store_bytes = part.spill.node_bytes,
-                              .expected_nodes = {},
-                              .reduce = {},
-                              .progress = part.progress,
-                              .journal_interval = std::chrono::hours(24 * 365)},
-                             *scratch);
-        };
-        const auto bytes = [](const Constructed& built) {
-            return static_cast<double>(built.dag.size_bytes());
-        };
-        {
-            const Constructed whole = build_part(sample, "whole");
-            trial.dag_bytes = std::max(1.0, bytes(whole));
-            trial.statistics = whole.statistics;
-        }
-        const auto end = std::chrono::steady_clock::now();
-        trial.sort_seconds = std::chrono::duration<double>(is_sorted - start).count();
-        trial.tile_seconds = std::chrono::duration<double>(end - is_sorted).count();
-        double of_quarters = 0.0;
-        trial.quarter_nodes.resize(trial.statistics.levels.size());
-        const char* const quarters[4] = {"0", "1", "2", "3"};
-        for (std::uint64_t i = 0; i < 4; ++i) {
-            const Constructed quarter = build_part(sample.quarter(i), quarters[i]);
-            of_quarters += bytes(quarter);
-            for (std::size_t l = 0; l < quarter.statistics.levels.size(); ++l)
-                trial.quarter_nodes[l] +=
-                    static_cast<double>(quarter.statistics.levels[l].dag_nodes) / 4.0;
-        }
-        trial.quarter_bytes = std::max(1.0, of_quarters / 4.0);
-    });
-    return trial;
-}
-
 /// Of this level in the whole grid.
-double count_cells(const Trial& trial, const TileSample& sample, int depth, int tile_depth,
-                   int level) {
-    if (trial.statistics.levels.empty()) return 0.0;
+double count_cells(const SampleTrial& trial, int depth, int level) {
     // A sample's tiles tell nothing of cells larger than they are.
-    const int told = std::max(level, depth - tile_depth);
-    const double cells = static_cast<double>(
-        told == depth ? trial.statistics.voxels
-                      : trial.statistics.levels[static_cast<unsigned>(told)].svo_nodes);
-    return cells * std::pow(4.0, sample.rarity - (told - level));
+    const int told = std::max(level, depth - trial.tile_depth);
+    OctreeCounts counts = trial.counts;
+    const auto cells =
+        static_cast<double>(told == depth ? counts.voxels : counts.at_height(depth - 2 - told));
+    return cells * std::pow(4.0, trial.sample.rarity - (told - level));
 }
 
-/// As much again three times, as at twice the resolution: never more than four times the nodes.
-double growth_of(double whole, double quarter) {
-    return std::clamp(whole / std::max(quarter, 1.0), 1.0, 4.0);
+/// How many nodes four times as much of a scene has, and so on: what the curve says of the last
+/// step from a quarter of the sample to all of it, and of how that differs from the step before.
+/// @param bend  how much of that difference each further step has on top
+double carried_on(const std::array<double, SampledNodes::kPieces>& curve, int steps, double bend) {
+    if (curve[0] <= 0.0) return curve[15];
+    const double before = std::log2(curve[3] / curve[0]), last = std::log2(curve[15] / curve[3]);
+    double doublings = 0.0;  // a step has two of them at most, where nothing comes again
+    for (int step = 1; step <= steps; ++step)
+        doublings += std::clamp(last + bend * step * std::min(0.0, last - before), 0.0, 2.0);
+    return curve[15] * std::exp2(doublings);
 }
 
-/// Of the DAG of the whole grid.
-std::vector<std::uint64_t> level_nodes(const Trial& trial, const TileSample& sample, int depth,
-                                       int tile_depth) {
-    std::vector<std::uint64_t> nodes(static_cast<unsigned>(depth - 1));
-    // Above its tiles a sample tells nothing, and there is little.
-    for (auto l = static_cast<std::size_t>(depth - tile_depth);
-         l < nodes.size() && l < trial.statistics.levels.size(); ++l) {
-        const auto whole = static_cast<double>(trial.statistics.levels[l].dag_nodes);
-        nodes[l] = static_cast<std::uint64_t>(
-            whole * std::pow(growth_of(whole, trial.quarter_nodes[l]), sample.rarity));
+/// How many nodes there are above tiles: a quarter as many cells with each level, and a cell is
+/// like another one if its four children are.
+/// @param different  of the tiles
+double nodes_above(double tiles, double different) {
+    double sum = 0.0, part = std::min(1.0, different / std::max(tiles, 1.0));
+    for (double cells = tiles / 4.0; cells >= 1.0; cells /= 4.0) {
+        part = 1.0 - std::pow(1.0 - part, 4.0);
+        sum += cells * part;
     }
-    return nodes;
+    return sum;
+}
+
+Between around(double likely, double error) {
+    const auto whole = [](double number) { return static_cast<std::uint64_t>(number); };
+    return {whole(likely * std::max(0.0, 1.0 - error)), whole(likely),
+            whole(std::ceil(likely * (1.0 + error)))};
+}
+
+/// Nodes and bytes of the whole DAG, and its growth.
+void estimate_dag(const SampleTrial& trial, Estimate& estimate) {
+    const auto levels = static_cast<std::size_t>(estimate.depth - 1);
+    estimate.level_nodes.assign(levels, 0);
+    const int steps = trial.sample.rarity;
+    struct Sum {
+        double nodes = 0.0, bytes = 0.0;
+    } least, likely, most, quarter;
+    for (std::size_t h = 0; h < trial.levels.size(); ++h) {
+        const auto& [curve, bytes] = trial.levels[h];
+        const auto add = [bytes = bytes](Sum& sum, double nodes) {
+            sum.nodes += nodes;
+            sum.bytes += nodes * bytes;
+        };
+        const double nodes = carried_on(curve, steps, kLikelyBend);
+        estimate.level_nodes[levels - 1 - h] = static_cast<std::uint64_t>(nodes);
+        add(likely, nodes);
+        add(least, carried_on(curve, steps, kMostBend));
+        add(most, carried_on(curve, steps, 0.0));
+        add(quarter, steps == 0 ? curve[3] : carried_on(curve, steps - 1, kLikelyBend));
+    }
+    if (!trial.levels.empty()) {
+        const double tiles = trial.sums.tiles * std::pow(4.0, steps);
+        const auto& [curve, bytes] = trial.levels.back();
+        const auto add_above = [tiles, &curve = curve, steps](Sum& sum, double bend) {
+            const double nodes = nodes_above(tiles, carried_on(curve, steps, bend));
+            sum.nodes += nodes;
+            sum.bytes += kBytesPerNodeAbove * nodes;
+        };
+        add_above(likely, kLikelyBend);
+        add_above(least, kMostBend);
+        add_above(most, 0.0);
+    }
+    if (steps == 0) {
+        const Statistics& whole = trial.whole;
+        for (const LevelStatistics& level : whole.levels)
+            if (static_cast<std::size_t>(level.level) < levels)
+                estimate.level_nodes[static_cast<std::size_t>(level.level)] = level.dag_nodes;
+        estimate.dag_nodes = around(static_cast<double>(whole.dag_nodes), 0.0);
+        estimate.dag_bytes = around(static_cast<double>(whole.dag_bytes), 0.0);
+    } else {
+        const double error = trial.node_error() + kModelError;
+        const auto between = [error](double low, double middle, double high) {
+            return Between{around(low, error).least, around(middle, error).likely,
+                           around(high, error).most};
+        };
+        estimate.dag_nodes = between(least.nodes, likely.nodes, most.nodes);
+        estimate.dag_bytes = between(least.bytes, likely.bytes, most.bytes);
+    }
+    estimate.growth = std::clamp(likely.bytes / std::max(quarter.bytes, 1.0), 1.0, 4.0);
 }
 
 double attribute_bytes_per_cell(const AttributeOptions& wanted, const Scene& scene) {
@@ -220,10 +151,6 @@ double attribute_bytes_per_cell(const AttributeOptions& wanted, const Scene& sce
     if (wanted.normal) bytes += kNormalBytes;
     if (wanted.emission && shines) bytes += kEmissionBytes;
     return bytes * (1.0 + kBackPart);
-}
-
-std::uint64_t store_bytes(double dag_bytes) {
-    return static_cast<std::uint64_t>(kStoreBytesPerDagByte * dag_bytes);
 }
 
 std::string megabytes(double bytes) {
@@ -238,44 +165,33 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     Estimate estimate;
     estimate.depth = options.grid ? options.grid->depth : options.depth;
     const Grid grid = options.grid ? *options.grid : smallest_cube(scene.bounds(), estimate.depth);
-    const int tile_depth = std::min(
-        estimate.depth, std::clamp(estimate.depth - kTilesDepth, kTileDepth, kMaxTileDepth));
-    TileSample sample{std::clamp(estimate.depth - kWholeDepth, 0, kMostRarity)};
-    Scene triangles;
-    if (sample.rarity != 0)
-        with_threads(options.threads, [&] {
-            triangles = sampled_triangles(scene, options, grid, tile_depth, sample);
-        });
-    const Trial trial = sample.rarity == 0
-                            ? try_sample(scene, nullptr, options, grid, tile_depth, sample)
-                            : try_sample(triangles, &triangles, options, grid, tile_depth, sample);
-    triangles = {};
+    const SampleTrial trial = try_sample(scene, options, grid);
     double cells = 0.0;
     if (attributes != nullptr) {
         const int level = attributes->level != 0 ? attributes->level
                                                  : AttributeOptions::usual_level(estimate.depth);
-        cells = count_cells(trial, sample, estimate.depth, tile_depth, level);
+        cells = count_cells(trial, estimate.depth, level);
         estimate.attribute_bytes =
             static_cast<std::uint64_t>(cells * attribute_bytes_per_cell(*attributes, scene));
     }
     trim_memory();
 
-    estimate.growth = growth_of(trial.dag_bytes, trial.quarter_bytes);
-    estimate.level_nodes = level_nodes(trial, sample, estimate.depth, tile_depth);
-    const double dag_bytes = trial.dag_bytes * std::pow(estimate.growth, sample.rarity);
-    estimate.dag_bytes = static_cast<std::uint64_t>(dag_bytes);
-    const auto all = static_cast<double>(scene.triangles.size());
-    estimate.seconds = trial.sort_seconds * all / std::max(trial.triangles, 1.0) +
-                       trial.tile_seconds * std::pow(4.0, sample.rarity);
+    const double part = std::pow(0.25, trial.sample.rarity);
+    estimate.sampled = part;
+    estimate.voxels = around(static_cast<double>(trial.counts.voxels) / part, trial.voxel_error());
+    estimate_dag(trial, estimate);
+    estimate.seconds = trial.seconds(static_cast<double>(scene.triangles.size()));
 
     const auto threads =
         static_cast<std::uint64_t>(options.threads > 0 ? options.threads : available_threads());
     const std::uint64_t triangles_in_tiles =
         16 * scene.positions.size() + 24 * scene.triangles.size();
     const std::uint64_t held = resident_bytes();
+    const auto dag_bytes = static_cast<double>(estimate.dag_bytes.most);
     estimate.peak_bytes =
-        std::max(peak_resident_bytes(),
-                 held + triangles_in_tiles + threads * kBytesPerThread + store_bytes(dag_bytes));
+        std::max(peak_resident_bytes(), held + triangles_in_tiles + threads * kBytesPerThread +
+                                            estimate.dag_bytes.most +
+                                            kTableBytesPerNode * estimate.dag_nodes.most);
     estimate.least_bytes =
         std::max({import_peak, held + (std::uint64_t{8} << 20),
                   kLeastBytes + threads * kLeastBytesPerThread +
@@ -286,8 +202,8 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
         estimate.seconds += cells * kSecondsPerCell / static_cast<double>(threads);
         // All channels, and the largest of them once more; the DAG is in memory beside them.
         estimate.peak_bytes =
-            std::max(estimate.peak_bytes,
-                     held + triangles_in_tiles + estimate.dag_bytes + 2 * estimate.attribute_bytes);
+            std::max(estimate.peak_bytes, held + triangles_in_tiles + estimate.dag_bytes.most +
+                                              2 * estimate.attribute_bytes);
         estimate.least_bytes =
             std::max(estimate.least_bytes,
                      held + kLeastForAttributes + threads * kLeastForAttributesPerThread +
@@ -297,12 +213,26 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     return estimate;
 }
 
+void require_words(const Estimate& estimate) {
+    constexpr std::uint64_t kMost = sizeof(std::uint32_t) * WordLimits{}.of_dag;
+    if (estimate.dag_bytes.least <= kMost) return;
+    auto bytes = static_cast<double>(estimate.dag_bytes.most);
+    int depth = estimate.depth;
+    for (; depth > kMinDepth && bytes > static_cast<double>(kMost); --depth)
+        bytes /= std::max(estimate.growth, 1.5);
+    throw Error(Errc::limit, "this DAG would take some " +
+                                 megabytes(static_cast<double>(estimate.dag_bytes.likely)) +
+                                 ", and pointers reach as far as " +
+                                 megabytes(static_cast<double>(kMost)) + ": a resolution of " +
+                                 std::to_string(1 << depth) + " would do");
+}
+
 void require_memory(const Estimate& estimate, std::uint64_t max_memory_bytes) {
     const auto cap = static_cast<double>(max_memory_bytes);
     const auto least = static_cast<double>(estimate.least_bytes);
     if (max_memory_bytes == 0 || least <= cap) return;
 
-    double dag_bytes = static_cast<double>(estimate.dag_bytes);
+    auto dag_bytes = static_cast<double>(estimate.dag_bytes.most);
     const double without_dag = least - kMergeBytesPerDagByte * dag_bytes;
     const double advised = kAdvisedPart * least / (1 << 20);
     std::string advice = "--max-memory " +

@@ -185,6 +185,20 @@ std::uint32_t NodeStore::merge_root(const NodeStore& part) {
     return last_id;
 }
 
+std::uint32_t NodeStore::merge_root(const NodeStore& part,
+                                    const std::function<void(int height, std::uint32_t id)>& met) {
+    std::uint32_t last_id = 0;
+    for (int h = 0; h <= part.top(); ++h) {
+        const UniqueNodes& nodes = part.level(h);
+        last_id = h == 0 ? merge_leaves(nodes) : merge_level(nodes, level(h));
+        const std::span<const std::uint32_t> words = nodes.words();
+        for (std::size_t id = 0; id < words.size();
+             id += static_cast<unsigned>(nodes.size_of(&words[id])))
+            met(h, new_ids_[id]);
+    }
+    return last_id;
+}
+
 void NodeStore::take(NodeStore& other) {
     for (int h = 0; h <= top(); ++h) level(h).take(other.level(h));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,10 @@ public:
     /// so parts merged in Morton order leave every level in the order of the whole tree.
     /// @return  the id here of the single node that `part` has at its top
     std::uint32_t merge_root(const NodeStore& part);
+
+    /// The same, and says for each node of the part its height and its id here.
+    std::uint32_t merge_root(const NodeStore& part,
+                             const std::function<void(int height, std::uint32_t id)>& met);
 
     /// Takes the nodes of a store of the same height in place of its own: to be merged from, not to
     /// be added to. The other one is left empty and keeps its tables.

@@ -12,13 +12,23 @@
 
 namespace octavo {
 
-bool TileSample::has(const uvec3& tile) const {
-    if (rarity == 0) return true;
+namespace {
+
+std::uint64_t hash_of(const uvec3& tile) {
     std::uint64_t hash = tile.x + (std::uint64_t{tile.y} << 20) + (std::uint64_t{tile.z} << 40);
     hash = (hash + 1) * 0x9e3779b97f4a7c15u;
     hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
-    hash = (hash ^ hash >> 32) * 0x94d049bb133111ebu;
-    return hash >> (64 - 2 * rarity) == part;
+    return (hash ^ hash >> 32) * 0x94d049bb133111ebu;
+}
+
+}  // namespace
+
+bool TileSample::has(const uvec3& tile) const {
+    return rarity == 0 || hash_of(tile) >> (64 - 2 * rarity) == part;
+}
+
+unsigned TileSample::piece_of(const uvec3& tile) const {
+    return static_cast<unsigned>(hash_of(tile) << 2 * rarity >> 60);
 }
 
 std::vector<std::size_t> triangles_in_sample(const Scene& scene, const Grid& grid, int tile_depth,

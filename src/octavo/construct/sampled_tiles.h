@@ -20,8 +20,8 @@ struct TileSample {
 
     [[nodiscard]] bool has(const uvec3& tile) const;
 
-    /// One of the four parts that make up this sample.
-    [[nodiscard]] TileSample quarter(std::uint64_t i) const { return {rarity + 1, 4 * part + i}; }
+    /// Which of the sixteen samples that make up this one a tile of it is in.
+    [[nodiscard]] unsigned piece_of(const uvec3& tile) const;
 };
 
 /// The numbers of the triangles that may meet a tile of the sample: of all whose bounds do, and of

@@ -6,13 +6,28 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <string>
 
 namespace octavo {
 
 std::uint64_t machine_memory_bytes() {
     return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
            static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t available_memory_bytes() {
+    std::uint64_t available = machine_memory_bytes();
+    std::ifstream system("/proc/meminfo");
+    for (std::string line; std::getline(system, line);)
+        if (line.starts_with("MemAvailable:")) available = std::stoull(line.substr(13)) * 1024;
+    // A container has its own group there.
+    std::uint64_t most = 0, taken = 0;
+    if (std::ifstream("/sys/fs/cgroup/memory.max") >> most &&
+        std::ifstream("/sys/fs/cgroup/memory.current") >> taken)
+        available = std::min(available, most > taken ? most - taken : 0);
+    return available;
 }
 
 std::uint64_t resident_bytes() {

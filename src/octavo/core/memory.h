@@ -9,6 +9,10 @@ namespace octavo {
 /// Physical memory of the machine, in bytes.
 [[nodiscard]] std::uint64_t machine_memory_bytes();
 
+/// Physical memory that programs can still take, in bytes: what the system says is available, or
+/// less where this process' control group leaves less. All of it where the system does not say.
+[[nodiscard]] std::uint64_t available_memory_bytes();
+
 /// Physical memory that this process holds now, in bytes; 0 where the system does not say.
 [[nodiscard]] std::uint64_t resident_bytes();
 
