@@ -42,6 +42,38 @@ TEST(Gltf, AppliesNestedNodesInDouble) {
     EXPECT_EQ(scene.corners(2)[2], dvec3(7, 9, 9));
 }
 
+TEST(Gltf, ShowsAMeshAtEachOfItsInstances) {
+    const TemporaryFolder folder;
+    GltfFile file = with_triangle();
+    const int shifts = file.positions({5, 0, 0, 0, 7, 0});
+    // None, and a quarter turn about z: (0, 0, sin 45, cos 45), in bytes a little too long.
+    const int turns =
+        file.accessor(std::vector<std::int8_t>{0, 0, 0, 127, 0, 0, 90, 90}, 5120, "VEC4", 4, true);
+    const int scales = file.positions({1, 1, 1, 2, 2, 2});
+    const auto instances = [&](const json& attributes) {
+        return json{{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}};
+    };
+    file.root["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+    file.root["nodes"] = {
+        {{"mesh", 0},
+         {"translation", {0, 0, 1}},
+         {"extensions",
+          instances({{"TRANSLATION", shifts}, {"ROTATION", turns}, {"SCALE", scales}})}},
+        {{"mesh", 0}, {"extensions", instances({{"TRANSLATION", shifts}})}},
+        {{"mesh", 0}, {"extensions", instances(json::object())}}};
+    const Scene scene = load_scene(file.write(folder));
+    EXPECT_EQ(scene.warnings, std::vector<std::string>());
+    ASSERT_EQ(scene.triangles.size(), 5u);
+    EXPECT_EQ(scene.corners(0)[1], dvec3(6, 0, 1));
+    EXPECT_NEAR(glm::distance(scene.corners(1)[1], dvec3(0, 9, 1)), 0, 1e-12);
+    EXPECT_NEAR(glm::distance(scene.corners(1)[2], dvec3(-2, 7, 1)), 0, 1e-12);
+    EXPECT_EQ(scene.corners(3)[2], dvec3(0, 8, 0));
+    EXPECT_EQ(scene.corners(4)[1], dvec3(1, 0, 0));
+
+    file.root["nodes"][0]["extensions"] = instances({{"TRANSLATION", shifts}, {"SCALE", 0}});
+    EXPECT_EQ(load_error(file.write(folder)).code(), Errc::bad_input);
+}
+
 TEST(Gltf, ShowsOnlyTheNodesOfItsScene) {
     const TemporaryFolder folder;
     GltfFile file = with_triangle();

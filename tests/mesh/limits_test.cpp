@@ -53,6 +53,21 @@ TEST(LoadLimits, InstancesOfAMeshStopAtTheCap) {
     EXPECT_NE(message.find("instances"), std::string::npos) << message;
 }
 
+TEST(LoadLimits, ListedInstancesOfAMeshStopAtTheCap) {
+    // 2000 nodes that each list a million places, of an empty mesh.
+    std::string nodes;
+    for (int i = 0; i < 2000; ++i)
+        nodes +=
+            std::string(i ? "," : "") +
+            R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"SCALE":0}}}})";
+    const test::TemporaryFolder folder;
+    const auto file = folder.write(
+        "a.gltf", R"({"asset":{"version":"2.0"},"nodes":[)" + nodes +
+                      R"(],"meshes":[{"primitives":[]}],)"
+                      R"("accessors":[{"componentType":5126,"type":"VEC3","count":999999}]})");
+    EXPECT_EQ(code_of([&] { (void)load_scene(file, {.max_bytes = 128 * kMiB}); }), Errc::limit);
+}
+
 TEST(LoadLimits, InflatedFileStopsAtTheCap) {
     const test::TemporaryFolder folder;
     const std::string file = (folder / "bomb.ply.gz").string();

@@ -22,16 +22,9 @@ dmat4 local_matrix(const json& node) {
         for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = values->at(i).get<double>();
         return matrix;
     }
-    const dvec4 t = numbers(node, "translation", dvec4(0.0));
-    const dvec4 q = numbers(node, "rotation", dvec4(0.0, 0.0, 0.0, 1.0));
-    const dvec4 s = numbers(node, "scale", dvec4(1.0));
-    const double x = q.x, y = q.y, z = q.z, w = q.w;
-    return {
-        s.x * dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0),
-        s.y * dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0),
-        s.z * dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0),
-        dvec4(t.x, t.y, t.z, 1),
-    };
+    return placement(numbers(node, "translation", dvec4(0.0)),
+                     numbers(node, "rotation", dvec4(0.0, 0.0, 0.0, 1.0)),
+                     numbers(node, "scale", dvec4(1.0)));
 }
 
 /// The unit vector of this direction; the fallback where a matrix has flattened it.
@@ -60,7 +53,8 @@ private:
     void warn(const std::string& what) { warnings_.insert(what); }
 
     void check_extensions() {
-        static const std::set<std::string> known{"EXT_meshopt_compression",
+        static const std::set<std::string> known{"EXT_mesh_gpu_instancing",
+                                                 "EXT_meshopt_compression",
                                                  "KHR_draco_mesh_compression",
                                                  "KHR_lights_punctual",
                                                  "KHR_materials_emissive_strength",
@@ -125,9 +119,11 @@ private:
     void add_node(const json& node, const dmat4& world) {
         if (const auto mesh = whole(node, "mesh")) {
             if (child(node, "skin")) warn("skinned meshes are taken in their bind pose");
-            if (extension(node, "EXT_mesh_gpu_instancing"))
-                warn("EXT_mesh_gpu_instancing is not known: each such mesh is taken once");
-            geometry_.add_mesh(document_.object("meshes", *mesh), world);
+            const json& shown = document_.object("meshes", *mesh);
+            if (const json* instances = extension(node, "EXT_mesh_gpu_instancing"))
+                geometry_.add_instances(shown, *instances, world);
+            else
+                geometry_.add_mesh(shown, world);
         }
         if (const auto camera = whole(node, "camera"))
             add_camera(document_.object("cameras", *camera), node, world);

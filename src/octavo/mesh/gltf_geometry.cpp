@@ -13,12 +13,52 @@ constexpr std::uint64_t kTriangleBytes = sizeof(uvec3) + sizeof(std::uint32_t);
 
 }  // namespace
 
+dmat4 placement(const dvec4& translation, const dvec4& rotation, const dvec4& scale) {
+    const dvec4 &t = translation, &s = scale;
+    const double x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
+    return {
+        s.x * dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0),
+        s.y * dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0),
+        s.z * dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0),
+        dvec4(t.x, t.y, t.z, 1),
+    };
+}
+
 void GeometryReader::add_mesh(const json& mesh, const dmat4& world) {
     // Primitives often share one set of vertices and differ in their triangles only.
     VertexBases bases;
     const json* primitives = child(mesh, "primitives");
     if (!primitives) return;
     for (const json& primitive : *primitives) add_primitive(primitive, world, bases);
+}
+
+void GeometryReader::add_instances(const json& mesh, const json& instancing, const dmat4& world) {
+    const json* attributes = child(instancing, "attributes");
+    std::optional<std::size_t> count;
+    const auto list = [&](const char* name, int components) {
+        std::optional<Accessor> values;
+        const auto index = attributes ? whole(*attributes, name) : std::nullopt;
+        if (!index) return values;
+        values = document_.accessor(*index);
+        if (values->components != components || count.value_or(values->count) != values->count)
+            throw document_.file().error("the instances' " + std::string(name) +
+                                         " does not fit the others or its kind");
+        count = values->count;
+        return values;
+    };
+    const auto translations = list("TRANSLATION", 3);
+    const auto rotations = list("ROTATION", 4);
+    const auto scales = list("SCALE", 3);
+    if (!count) return add_mesh(mesh, world);
+    take_room(*count, sizeof(dmat4));  // though no place is kept: an empty mesh is not free either
+    for (std::size_t i = 0; i < *count; ++i) {
+        dvec4 rotation(0.0, 0.0, 0.0, 1.0);
+        if (rotations) rotation = rotations->real(i);
+        // Of integers, it is a unit quaternion only nearly.
+        if (const double length = glm::length(rotation); length > 0.0) rotation /= length;
+        add_mesh(mesh, world * placement(translations ? translations->real(i) : dvec4(0.0),
+                                         rotation, scales ? scales->real(i) : dvec4(1.0)));
+    }
 }
 
 std::size_t GeometryReader::finish() {

@@ -13,6 +13,9 @@
 
 namespace octavo::gltf {
 
+/// Scale, then a rotation by a unit quaternion (x, y, z, w), then a shift.
+[[nodiscard]] dmat4 placement(const dvec4& translation, const dvec4& rotation, const dvec4& scale);
+
 /// Adds meshes of a document to a scene: vertices in world space, triangles and their materials.
 ///
 /// Each is added as often as a node shows it. What cannot be taken becomes a warning.
@@ -32,6 +35,10 @@ public:
     /// @throws Error  limit where a bound is passed; bad_input where the mesh refers to what is
     ///                not there
     void add_mesh(const json& mesh, const dmat4& world);
+
+    /// A mesh at each of the places that EXT_mesh_gpu_instancing lists below a node.
+    /// @throws Error  as add_mesh(); bad_input where the lists are not of one length
+    void add_instances(const json& mesh, const json& instancing, const dmat4& world);
 
     /// After the last mesh. @return how many sets of points or lines were passed over
     std::size_t finish();
