@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <set>
 #include <vector>
 
 #include "octavo/dag/node.h"
-#include "support/sanitized.h"
 #include "support/small_dags.h"
 
 namespace octavo {
@@ -131,16 +131,46 @@ TEST(Partitions, OtherHeightsHaveNone) {
     EXPECT_EQ(Partitions(test::SmallDagBuilder(9).freeze(0)).height(), 0);
 }
 
+std::uint64_t may_take(const Dag& dag) {
+    return std::max<std::uint64_t>(dag.size_bytes() / 2, 128 << 10);
+}
+
 TEST(Partitions, TakeNoMoreThanTheyMay) {
-    for (int depth = 4; depth <= (test::kSanitized ? 9 : 12); ++depth)
+    for (int depth = 4; depth <= 9; ++depth) {
+        const Dag dag = test::dust(depth, 0.6, 2);
         for (int height = 3; height < depth; ++height) {
-            const Dag dag = test::dust(depth, 0.6, 2);
             Partitions partitions(dag, height);
             partitions.make_all();
-            EXPECT_LE(partitions.size_bytes(),
-                      std::max<std::uint64_t>(dag.size_bytes() / 2, 128 << 10))
-                << depth << " " << height;
+            EXPECT_LE(partitions.size_bytes(), may_take(dag)) << depth << " " << height;
         }
+    }
+}
+
+/// A full tree over 8^4 nodes of height 3, all of them different.
+Dag many_nodes() {
+    constexpr int kDepth = 7;
+    std::mt19937 random(5);
+    test::SmallDagBuilder builder(kDepth);
+    std::vector<std::uint32_t> leaves(48);
+    for (std::uint32_t& leaf : leaves) leaf = builder.leaf(random() | std::uint64_t{1} << 63);
+    const auto tree = [&](const auto& self, int level) -> std::uint32_t {
+        std::array<std::uint32_t, 8> children{};
+        for (std::uint32_t& child : children)
+            child = level == kDepth - 3 ? leaves[random() % leaves.size()] : self(self, level + 1);
+        return builder.node(level, children);
+    };
+    return builder.freeze(tree(tree, 0));
+}
+
+TEST(Partitions, LeaveNodesWithoutTablesWhereTheyWouldTakeMore) {
+    const Dag dag = many_nodes();
+    std::size_t nodes = 0;
+    for_each_node(dag, 3, [&](std::uint32_t, const uvec3&) { ++nodes; });
+    ASSERT_GT(nodes * Partitions::kTableBytes, 10 * may_take(dag));
+    Partitions partitions(dag, 3);
+    partitions.make_all();
+    EXPECT_LE(partitions.size_bytes(), may_take(dag));
+    EXPECT_GT(partitions.size_bytes() + 2 * Partitions::kTableBytes, may_take(dag));
 }
 
 }  // namespace
