@@ -55,8 +55,11 @@ int compile(const std::string& command, const std::string& extension, const std:
     return status;
 }
 
+const std::string kGlslc = OCTAVO_GLSLC
+    " -w -fshader-stage=compute --target-env=vulkan1.2 -o /dev/null -I" OCTAVO_SOURCE_DIR "/src";
+
 TEST(SharedText, CompilesAsGlsl46Compute) {
-    if (std::string(OCTAVO_GLSLANG).empty()) GTEST_SKIP() << "no glslangValidator (glslang-tools)";
+    if (std::string(OCTAVO_GLSLC).empty()) GTEST_SKIP() << "no glslc";
     const std::string text =
         "#version 460\nlayout(local_size_x = 64) in;\n"
         "layout(std430, binding = 0) buffer Words { uint dag_words[]; };\n"
@@ -69,9 +72,31 @@ TEST(SharedText, CompilesAsGlsl46Compute) {
         "void main() { DagView dag; dag.depth = 9;\n" + kUseAll +
         "result[gl_GlobalInvocationID.x] = hit.path.x + uint(dark); }\n";
     std::string output;
-    EXPECT_EQ(compile(OCTAVO_GLSLANG " --target-env vulkan1.2 -o /dev/null", "comp", text, output),
-              0)
-        << output;
+    EXPECT_EQ(compile(kGlslc, "comp", text, output), 0) << output;
+}
+
+/// The indented lines of a page below a heading that begins so.
+std::string page_lines(const std::string& page, const std::string& heading) {
+    std::ifstream lines(OCTAVO_SOURCE_DIR "/docs/" + page);
+    std::string text;
+    bool inside = false;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("## ")) inside = line.starts_with("## " + heading);
+        if (inside && line.starts_with("    ")) text += line.substr(4) + '\n';
+    }
+    return text;
+}
+
+TEST(SharedText, CompilesInTheOrderOfThePageOnEmbedding) {
+    if (std::string(OCTAVO_GLSLC).empty()) GTEST_SKIP() << "no glslc";
+    const std::string lines = page_lines("embedding.md", "GLSL");
+    ASSERT_NE(lines.find("cached_light.h"), std::string::npos) << lines;
+    const std::string text =
+        "#version 460\n#extension GL_GOOGLE_include_directive : require\n"
+        "layout(local_size_x = 64) in;\n" +
+        lines + "void main() {}\n";
+    std::string output;
+    EXPECT_EQ(compile(kGlslc, "comp", text, output), 0) << output;
 }
 
 TEST(SharedText, CompilesAsGlslEs300Fragment) {
