@@ -68,7 +68,7 @@ void export_single(const ExportArguments& arguments, std::span<const std::byte> 
 
 void export_folder(const ExportArguments& arguments, std::span<const std::byte> bytes) {
     const std::filesystem::path folder = arguments.html;
-    if (folder.empty()) throw Error(Errc::bad_argument, "the name of a folder to write is empty");
+    check_output_name(folder);
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw Error(Errc::io, folder, "cannot make the folder: " + failed.message());

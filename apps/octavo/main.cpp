@@ -27,10 +27,34 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o scene.png\n"
     "  octavo sample courtyard -o courtyard.glb\n";
 
-/// The subcommand that was being parsed, for "see octavo build --help".
-std::string help_command(const CLI::App& program) {
-    const auto chosen = program.get_subcommands();
-    return chosen.empty() ? "octavo --help" : "octavo " + chosen.front()->get_name() + " --help";
+/// The first word that is neither a command nor an option where it stands, with what it is not;
+/// empty where all are known.
+std::string unknown_word(const CLI::App& command) {
+    for (const std::string& word : command.remaining()) {
+        if (word.size() > 1 && word.front() == '-')
+            return fmt::format("there is no option '{}'", word);
+        return command.get_subcommands([](const CLI::App*) { return true; }).empty()
+                   ? fmt::format("'{}' is one argument too many", word)
+                   : fmt::format("there is no command '{}'", word);
+    }
+    return "";
+}
+
+/// What to say to an error of the command line: the library misses what it wants before it looks
+/// at what it does not know, so a misspelt option would read as one that is not there.
+std::string usage_message(const CLI::App& program, const CLI::ParseError& error) {
+    const bool may_be_misspelt = dynamic_cast<const CLI::RequiredError*>(&error) ||
+                                 dynamic_cast<const CLI::RequiresError*>(&error) ||
+                                 dynamic_cast<const CLI::ExtrasError*>(&error);
+    std::string unknown;
+    std::string path = "octavo";
+    for (const CLI::App* command = &program; command != nullptr;) {
+        if (may_be_misspelt && unknown.empty()) unknown = unknown_word(*command);
+        const auto chosen = command->get_subcommands();
+        command = chosen.empty() ? nullptr : chosen.front();
+        if (command != nullptr) path += " " + command->get_name();
+    }
+    return fmt::format("{}; see {} --help", unknown.empty() ? error.what() : unknown, path);
 }
 
 int run(int argc, char** argv) {
@@ -63,14 +87,8 @@ int run(int argc, char** argv) {
     } catch (const CLI::CallForVersion& version) {
         print(std::string(version.what()) + "\n");
         return kDone;
-    } catch (const CLI::RequiredError& error) {
-        // The library misses what it wants before it looks at what it does not know.
-        const bool named = argc > 1 && program.get_subcommands().empty();
-        return named ? fail(kUsage,
-                            fmt::format("there is no command '{}'; see octavo --help", argv[1]))
-                     : fail(kUsage, fmt::format("{}; see {}", error.what(), help_command(program)));
     } catch (const CLI::ParseError& error) {
-        return fail(kUsage, fmt::format("{}; see {}", error.what(), help_command(program)));
+        return fail(kUsage, usage_message(program, error));
     }
 }
 

@@ -34,10 +34,17 @@ void print(std::string_view text) {
         throw io_error("standard output", "write");
 }
 
+void check_output_name(const std::filesystem::path& name) {
+    if (name.empty()) throw Error(Errc::bad_argument, "the name of what to write is empty");
+    if (name == "-")
+        throw Error(Errc::bad_argument,
+                    "'-' is no file: Octavo writes none to a pipe; ./- is the name of one");
+}
+
 void check_output(const std::filesystem::path& file, bool force,
                   std::initializer_list<std::filesystem::path> inputs) {
     namespace fs = std::filesystem;
-    if (file.empty()) throw Error(Errc::bad_argument, "the name of a file to write is empty");
+    check_output_name(file);
     std::error_code ignored;
     for (const fs::path& input : inputs)
         if (!input.empty() && fs::equivalent(file, input, ignored))

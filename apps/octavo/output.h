@@ -18,12 +18,17 @@ void report_full_disks();
 /// @throws Error io  where it is closed or its disk is full
 void print(std::string_view text);
 
+/// @throws Error bad_argument  where a file or folder to write has no name, or is "-", by which
+///                             other programs mean a pipe
+void check_output_name(const std::filesystem::path& name);
+
 /// Checks, before long work begins, that its result can be written: every command that writes a
 /// file asks this first.
 ///
 /// @param force   an existing file may be replaced
 /// @param inputs  what the result is made from; names of no file are passed over
-/// @throws Error  bad_argument where it has no name, or is one of the inputs, which would be lost;
+/// @throws Error  bad_argument where it has no name, is "-", or is one of the inputs, which would
+///                be lost;
 ///                io where it is there and may not be replaced, is a folder or a device, or cannot
 ///                be written
 void check_output(const std::filesystem::path& file, bool force,

@@ -30,7 +30,7 @@ constexpr const char* kExamples =
     "  octavo render scene.octv -o evening.png --sun 250,12 --shadows soft --ao 128\n"
     "  octavo render scene.octv -o scene.png --device vulkan\n"
     "  octavo render scene.glb --primary mesh --dag scene.octv -o hybrid.png\n"
-    "  octavo render scene.octv -o lit.png --gi\n"
+    "  octavo render lit.octv -o lit.png --gi    # after octavo light\n"
     "  octavo render scene.octv -o lamp.png --light disc:0,3,0:to=0,0,0:size=0.2 --light scene\n";
 
 constexpr int kReferenceSamples = 256;

@@ -223,7 +223,7 @@ std::string summary_table(const OctvSummary& summary) {
     const Box bounds = metadata.grid.bounds();
 
     std::string text;
-    text += row("source", metadata.source);
+    text += row("source", one_line(metadata.source));
     text += row("grid",
                 fmt::format("{0} x {0} x {0}, depth {1}, {2} voxels", metadata.grid.resolution(),
                             metadata.grid.depth, name(metadata.rule)));

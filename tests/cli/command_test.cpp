@@ -60,6 +60,43 @@ TEST(Command, WrongUsageIsOneLineAndCode2) {
     }
 }
 
+TEST(Command, WhatIsMisspeltIsNamedThoughItMakesSomethingElseMissing) {
+    const TemporaryFolder folder;
+    const auto error = [&](const std::string& arguments) {
+        const Outcome outcome = run_shell(folder.path(), "octavo " + arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments;
+        EXPECT_EQ(folder.entries(), 0u) << arguments;
+        return outcome.err;
+    };
+    EXPECT_EQ(error("build a.glb -o a.octv --resolutoin 64"),
+              "octavo: there is no option '--resolutoin'; see octavo build --help\n");
+    EXPECT_EQ(error("build -dash.glb -o a.octv -r 64"),
+              "octavo: there is no option '-dash.glb'; see octavo build --help\n");
+    EXPECT_EQ(error("info a.octv --levels --what"),
+              "octavo: there is no option '--what'; see octavo info --help\n");
+    EXPECT_EQ(error("info a.octv b.octv"),
+              "octavo: 'b.octv' is one argument too many; see octavo info --help\n");
+    EXPECT_EQ(error("help build"), "octavo: there is no command 'help'; see octavo build --help\n");
+    EXPECT_EQ(error("bild"), "octavo: there is no command 'bild'; see octavo --help\n");
+    EXPECT_EQ(error("-V"), "octavo: there is no option '-V'; see octavo --help\n");
+    EXPECT_EQ(error("bench bild"), "octavo: there is no command 'bild'; see octavo bench --help\n");
+    EXPECT_EQ(error("build a.glb -o a.octv"),
+              "octavo: --resolution is required; see octavo build --help\n");
+}
+
+TEST(Command, ADashIsNoFileToWrite) {
+    const TemporaryFolder folder;
+    const std::string octv = small_octv().string();
+    for (const std::string& arguments :
+         {std::string("build sample:courtyard -r 64 -o -"), "export " + octv + " --html -",
+          std::string("sample courtyard -o -"), "render " + octv + " --size 8x8 -o -"}) {
+        const Outcome outcome = run_shell(folder.path(), "octavo " + arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
+        EXPECT_EQ(folder.entries(), 0u) << arguments;
+    }
+    EXPECT_EQ(run_shell(folder.path(), "octavo build sample:courtyard -r 64 -q -o ./-").code, 0);
+}
+
 TEST(Command, ExitCodesTellWhatFailed) {
     const TemporaryFolder folder;
     write_file(folder / "text.octv", "this is a letter to you");
