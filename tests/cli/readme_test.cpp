@@ -42,8 +42,9 @@ TEST(ReadmeSlow, DemoWritesADagAndAPicture) {
     if (std::filesystem::path(OCTAVO_COMMAND) != source / "build/release/bin/octavo")
         GTEST_SKIP() << "not the build that scripts/demo uses";
     const TemporaryFolder folder;
-    const std::string run = "OCTAVO_DEMO_RESOLUTION=256 OCTAVO_DEMO_FOLDER='" +
-                            folder.path().string() + "' scripts/demo";
+    const std::string run =
+        "OCTAVO_DEMO_RESOLUTION=256 OCTAVO_DEMO_SIZE=160x90 OCTAVO_DEMO_FOLDER='" +
+        folder.path().string() + "' scripts/demo";
     const Outcome first = run_shell(source, run);
     ASSERT_EQ(first.code, 0) << first.err;
     EXPECT_NE(first.out.find("DAG nodes"), std::string::npos) << first.out;
