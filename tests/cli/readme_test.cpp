@@ -43,15 +43,15 @@ TEST(ReadmeSlow, DemoWritesADagAndAPicture) {
         GTEST_SKIP() << "not the build that scripts/demo uses";
     const TemporaryFolder folder;
     const std::string run =
-        "OCTAVO_DEMO_RESOLUTION=256 OCTAVO_DEMO_SIZE=160x90 OCTAVO_DEMO_FOLDER='" +
+        "OCTAVO_DEMO_RESOLUTION=64 OCTAVO_DEMO_SIZE=160x90 OCTAVO_DEMO_FOLDER='" +
         folder.path().string() + "' scripts/demo";
     const Outcome first = run_shell(source, run);
     ASSERT_EQ(first.code, 0) << first.err;
     EXPECT_NE(first.out.find("DAG nodes"), std::string::npos) << first.out;
-    EXPECT_NE(first.out.find("courtyard-256.png"), std::string::npos) << first.out;
-    const auto made = std::filesystem::last_write_time(folder / "courtyard-256.octv");
+    EXPECT_NE(first.out.find("courtyard-64.png"), std::string::npos) << first.out;
+    const auto made = std::filesystem::last_write_time(folder / "courtyard-64.octv");
     ASSERT_EQ(run_shell(source, run).code, 0);
-    EXPECT_EQ(std::filesystem::last_write_time(folder / "courtyard-256.octv"), made)
+    EXPECT_EQ(std::filesystem::last_write_time(folder / "courtyard-64.octv"), made)
         << "the second run built it again";
 }
 
