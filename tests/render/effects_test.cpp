@@ -56,6 +56,23 @@ TEST(Sampling, EveryPowerOfTwoFillsTheSquareEvenly) {
         }
 }
 
+TEST(Sampling, EachSquareHasOneOfItsSamplesForEverySeed) {
+    for (const std::uint32_t seed : {0u, 1u, 77u, 123456u, 0xdeadbeefu})
+        for (int m = 0; m <= 3; ++m) {
+            const s::SquareOrder order = s::square_order(m, seed);
+            const std::uint32_t squares = 1u << (2 * m);
+            for (const std::uint32_t first : {0u, squares, 5u * squares, 1000u * squares})
+                for (std::uint32_t square = 0; square < squares; ++square) {
+                    const std::uint32_t i = s::sample_in_square(order, first, square);
+                    EXPECT_EQ(i / squares, first / squares);
+                    const vec2 at = s::sample_2d(i, seed) * static_cast<float>(1 << m);
+                    EXPECT_EQ(
+                        static_cast<std::uint32_t>(at.x) + (static_cast<std::uint32_t>(at.y) << m),
+                        square);
+                }
+        }
+}
+
 TEST(Sampling, CosineDirectionsAverageToTwoThirdsOfTheNormal) {
     test::RandomRays random(1, 1);
     for (int k = 0; k < 20; ++k) {
@@ -113,6 +130,28 @@ TEST(AmbientOcclusion, WallOccludesWhatTheIntegralSays) {
                                           static_cast<float>(radius), kToVoxels, 0, n, 11u);
         EXPECT_NEAR(1.0 - static_cast<double>(seen) / n, expected, 0.004) << distance;
     }
+}
+
+TEST(AmbientOcclusion, EverySampleIsTakenOnceInWhateverOrder) {
+    const Dag dag = test::dust(7, 0.5, 4);
+    test::RandomRays random(12, 128);
+    for (const ivec2 range : {ivec2(0, 64), ivec2(64, 192), ivec2(0, 6), ivec2(4, 20), ivec2(7, 8)})
+        for (std::uint32_t seed = 0; seed < 40; ++seed) {
+            const Ray world = random(test::RandomRays::inside);
+            const s::GridRay start{ivec3(world.origin),
+                                   vec3(world.origin - glm::floor(world.origin)), vec3(0, 0, 1),
+                                   0.0f, 1e30f};
+            int expected = 0;
+            for (int i = range.x; i < range.y; ++i)
+                expected += trace_any(s::view(dag),
+                                      sky_ray(start, s::kFaceNone, vec3(0, 0, 1), 60.0f, i, seed),
+                                      kToVoxels)
+                                ? 0
+                                : 1;
+            EXPECT_EQ(sky_samples_seen(s::view(dag), start, s::kFaceNone, vec3(0, 0, 1), 60.0f,
+                                       kToVoxels, range.x, range.y, seed),
+                      expected);
+        }
 }
 
 TEST(AmbientOcclusion, StoppingAtASolidAngleOnlyDarkens) {

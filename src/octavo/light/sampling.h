@@ -60,16 +60,64 @@ OCTAVO_FN float sample_1d(uint index, uint seed) {
     return to_fraction(reverse_bits(scramble_upwards(reverse_bits(shuffled), seed)));
 }
 
-// The same in the unit square.
-OCTAVO_FN vec2 sample_2d(uint index, uint seed) {
-    uint sobol_y = 0u;
+// Sobol's second dimension; the first is the index with its bits reversed.
+OCTAVO_FN uint sobol_second(uint index) {
+    uint sum = 0u;
     uint column = 0x80000000u;
     for (uint bits = index; bits != 0u; bits >>= 1) {
-        if ((bits & 1u) != 0u) sobol_y ^= column;
+        if ((bits & 1u) != 0u) sum ^= column;
         column ^= column >> 1;
     }
-    return vec2(to_fraction(reverse_bits(scramble_upwards(index, mix_bits(seed)))),
-                to_fraction(reverse_bits(scramble_upwards(reverse_bits(sobol_y), seed))));
+    return sum;
+}
+
+// The same in the unit square.
+OCTAVO_FN vec2 sample_2d(uint index, uint seed) {
+    return vec2(
+        to_fraction(reverse_bits(scramble_upwards(index, mix_bits(seed)))),
+        to_fraction(reverse_bits(scramble_upwards(reverse_bits(sobol_second(index)), seed))));
+}
+
+// An order of samples of sample_2d() that all seeds share. Of 4^m samples, from a multiple of 4^m
+// on, each square of a grid of 2^m x 2^m has one, and here they come square by square: so pixels
+// that go through theirs together look the same way at the same time, each to its own point of
+// the square. Three tables of nibbles, as m is at most 3.
+struct SquareOrder {
+    int m;
+    uint columns;  // of a column of squares: the low m bits of its samples' indices
+    uint rows;     // of a row: the first m bits of Sobol's second dimension, reversed
+    uint high;     // of such m bits: the next m bits of the index that give them
+};
+
+OCTAVO_FN uint nibble(uint nibbles, uint number) {
+    return (nibbles >> (4u * number)) & 15u;
+}
+OCTAVO_FN uint leading_bits(uint x, int count) {
+    return (x >> 1) >> (31 - count);
+}
+
+OCTAVO_FN SquareOrder square_order(int m, uint seed) {
+    SquareOrder order;
+    order.m = m;
+    order.columns = 0u;
+    order.rows = 0u;
+    order.high = 0u;
+    for (uint i = 0u; i < (1u << m); i += 1u) {
+        uint column = leading_bits(reverse_bits(scramble_upwards(i, mix_bits(seed))), m);
+        uint row = leading_bits(reverse_bits(scramble_upwards(i, seed)), m);
+        order.columns |= i << (4u * column);
+        order.rows |= i << (4u * row);
+        order.high |= i << (4u * leading_bits(sobol_second(i << m), m));
+    }
+    return order;
+}
+
+// The sample of the 4^m from `first` on, a multiple of 4^m, that lies in this square: `square` has
+// m bits of the row and m of the column.
+OCTAVO_FN uint sample_in_square(SquareOrder order, uint first, uint square) {
+    uint low = first | nibble(order.columns, square & ((1u << order.m) - 1u));
+    uint second = reverse_bits(nibble(order.rows, square >> order.m));
+    return low | (nibble(order.high, leading_bits(second ^ sobol_second(low), order.m)) << order.m);
 }
 
 // Cosine and sine of this many turns, 0 to 1, to 3e-7: Taylor's series on an eighth of the circle.

@@ -28,9 +28,17 @@ OCTAVO_FN GridRay sky_ray(GridRay start, int face, vec3 normal, float radius, in
 //   stop    lets rays end at larger cells, which makes it darker and faster ([K13] figure 8b)
 OCTAVO_FN int sky_samples_seen(DagView dag, GridRay start, int face, vec3 normal, float radius,
                                Stop stop, int first, int end, uint seed) {
+    int m = 3;
+    while (((first | end) & ((1 << (2 * m)) - 1)) != 0) m -= 1;
+    SquareOrder order = square_order(m, seed);
+    uint squares = 1u << (2 * m);
     int seen = 0;
-    for (int i = first; i < end; i += 1)
-        seen += trace_any(dag, sky_ray(start, face, normal, radius, i, seed), stop) ? 0 : 1;
+    for (int i = first; i < end; i += 1) {
+        uint square = uint(i) & (squares - 1u);
+        int sample_number = int(sample_in_square(order, uint(i) - square, square));
+        GridRay ray = sky_ray(start, face, normal, radius, sample_number, seed);
+        seen += trace_any(dag, ray, stop) ? 0 : 1;
+    }
     return seen;
 }
 
