@@ -105,7 +105,7 @@ OCTAVO_FN GridHit trace_by_lists(DagView dag, GridRay ray, Stop stop) {
         uint child_bit = first_child(far_half, children);
         to_visit[height] = children ^ child_bit;
         child = lowest_bit(child_bit);
-        if (height > 2) node = load_child(dag, nodes[height], child_bit);
+        if (height > 2) node = load_child(dag, nodes[height], child);
 
         // The ray is in the child from the last of the near planes to the first of the far ones.
         // The planes that the child shares with its parent are in t and t_exit already: a child

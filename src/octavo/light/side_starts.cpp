@@ -27,7 +27,7 @@ std::uint64_t leaf_mask(const shared::DagView& dag, const ivec3& leaf) {
     for (int height = dag.depth; height > 2; --height) {
         const int child = shared::child_number((leaf >> (height - 3)) & 1);
         if (((shared::dag_load(dag, word) >> child) & 1u) == 0u) return 0;
-        word = shared::load_child(dag, word, 1u << child);
+        word = shared::load_child(dag, word, child);
     }
     return shared::dag_load(dag, word) | std::uint64_t{shared::dag_load(dag, word + 1u)} << 32;
 }

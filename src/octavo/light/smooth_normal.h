@@ -54,7 +54,7 @@ OCTAVO_FN vec3 smooth_normal_32(DagView dag, GridRay ray, GridHit hit) {
         if (!done) {
             child = lowest_bit(children);
             to_visit[height] = children & (children - 1u);
-            if (height > 2) node = load_child(dag, nodes[height], 1u << child);
+            if (height > 2) node = load_child(dag, nodes[height], child);
             corner &= -(1 << (height - hit.height));
             height -= 1;
             corner += ivec3(child & 1, (child >> 1) & 1, child >> 2) << (height - hit.height);

@@ -29,7 +29,7 @@ OCTAVO_FN bool cell_exists(DagView dag, ivec3 cell, int height) {
         uint children = children_of(mask, h, child);
         child = child_number((cell >> (h - 1 - height)) & 1);
         if (((children >> child) & 1u) == 0u) return false;
-        if (h > 2) node = load_child(dag, node, 1u << child);
+        if (h > 2) node = load_child(dag, node, child);
     }
     return true;
 }

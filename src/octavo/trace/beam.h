@@ -78,7 +78,7 @@ OCTAVO_FN float beam_bound(DagView dag, Bundle beam, Stop stop, bool last) {
         to_visit[height] = children ^ (1u << mirrored);
         ivec3 offset = ivec3(mirrored & 1, (mirrored >> 1) & 1, mirrored >> 2);
         child = child_number(offset ^ slow.down);
-        if (height > 2) node = load_child(dag, nodes[height], 1u << child);
+        if (height > 2) node = load_child(dag, nodes[height], child);
         corner &= -(1 << height);
         height -= 1;
         corner += offset << height;

@@ -20,9 +20,9 @@ public:
           height_(dag.depth - 1),
           t_(std::max(ray.t_min, shared::max3(shared::plane_time(ray_, ivec3(0))))),
           t_end_(
-              std::min(ray.t_max, shared::min3(shared::plane_time(ray_, ivec3(1 << dag.depth))))),
-          mirrored_(shared::child_corner_at(ray_, ivec3(0), height_, t_)) {
+              std::min(ray.t_max, shared::min3(shared::plane_time(ray_, ivec3(1 << dag.depth))))) {
         nodes_[dag.depth] = 0;
+        go_down();
     }
 
     /// @return false  there are no more
@@ -36,10 +36,10 @@ public:
                 go_on();
                 continue;
             }
-            nodes_[height_] = shared::load_child(dag_, parent, 1u << child);
+            nodes_[height_] = shared::load_child(dag_, parent, child);
             if (height_ == least_) return found_ = true;
             --height_;
-            mirrored_ = shared::child_corner_at(ray_, mirrored_, height_, t_);
+            go_down();
         }
         return false;
     }
@@ -52,6 +52,12 @@ public:
     }
 
 private:
+    /// Into the child of height_ that the ray is in at t_, from its parent.
+    void go_down() {
+        const vec3 middle = shared::plane_time(ray_, mirrored_ + (1 << height_));
+        mirrored_ += ivec3(glm::lessThanEqual(middle, vec3(t_))) << height_;
+    }
+
     void go_on() {
         const vec3 exits = shared::plane_time(ray_, mirrored_ + (1 << height_));
         t_ = shared::min3(exits);
@@ -69,7 +75,7 @@ private:
     int height_;
     float t_, t_end_;
     bool found_ = false;
-    ivec3 mirrored_;                      // the corner of the cell that the ray is in at t_
+    ivec3 mirrored_{0};                   // the corner of the cell that the ray is in at t_
     std::uint32_t nodes_[kMaxDepth + 1];  // by height: the nodes on the path
 };
 

@@ -85,7 +85,7 @@ OCTAVO_FN int lowest_bit(uint mask) {
 #endif
 }
 
-// Index of the highest set bit of 0 < mask < 2^24.
+// Index of the highest set bit of a mask below 2^24; of none a negative number.
 OCTAVO_FN int highest_bit(uint mask) {
 #if defined(__CUDA_ARCH__)
     return 31 - __clz(int(mask));

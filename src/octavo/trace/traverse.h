@@ -127,9 +127,13 @@ OCTAVO_FN uint children_of(uvec2 mask, int height, int child) {
     return height == 2 ? leaf_children(mask) : leaf_voxels(mask, child);
 }
 
-OCTAVO_FN uint load_child(DagView dag, uint node, uint child_bit) {
-    uint lower_children = dag_load(dag, node) & (child_bit - 1u);
-    return dag_load(dag, node + 1u + uint(count_bits8(lower_children & 255u)));
+// The word of a node, counted from its mask, that says where this child's node is.
+OCTAVO_FN uint child_word(uint mask, int child) {
+    return 1u + uint(count_bits8(mask & ((1u << child) - 1u) & 255u));
+}
+
+OCTAVO_FN uint load_child(DagView dag, uint node, int child) {
+    return dag_load(dag, node + child_word(dag_load(dag, node), child));
 }
 
 OCTAVO_FN GridHit make_hit(UpwardRay up, int depth, ivec3 corner, int height, float t, int steps) {
@@ -155,12 +159,6 @@ OCTAVO_FN GridHit make_miss(float t_max, int steps) {
     return miss;
 }
 
-// The mirrored low corner of the child of this height that the ray is in at time t.
-OCTAVO_FN ivec3 child_corner_at(UpwardRay up, ivec3 corner, int height, float t) {
-    vec3 middle = plane_time(up, corner + (1 << height));
-    return corner + (ivec3(lessThanEqual(middle, vec3(t))) << height);
-}
-
 // The first cell that the ray is in during [t_min, t_max) and at which it may stop.
 OCTAVO_FN GridHit trace_closest(DagView dag, GridRay ray, Stop stop) {
     UpwardRay up = mirror_ray(ray.cell, ray.frac, ray.dir, dag.depth);
@@ -170,53 +168,60 @@ OCTAVO_FN GridHit trace_closest(DagView dag, GridRay ray, Stop stop) {
     if (dag.depth == 0 || !(t < t_end)) return make_miss(ray.t_max, 0);
     if (may_stop(stop, dag.depth, entry)) return make_hit(up, dag.depth, ivec3(0), dag.depth, t, 0);
 
-    uint nodes[kPathCells];  // by height: the node on the path, from height 3
+    uint nodes[kPathCells];  // by height: the nodes on the path
+    uint parent = 0u;        // of the cell that the ray is in
     uvec2 leaf = uvec2(0u);  // the leaf on the path
-    uint children = 0u;      // of the cell's parent
+    uint children_of_leaf = 0u;
     nodes[dag.depth] = 0u;
-    if (dag.depth > 2) {
-        children = dag_load(dag, 0u);
-    } else {
-        leaf = uvec2(dag_load(dag, 0u), dag_load(dag, 1u));
-        children = leaf_children(leaf);
+    uint children = dag_load(dag, 0u);  // of the parent
+    if (dag.depth == 2) {
+        leaf = uvec2(children, dag_load(dag, 1u));
+        children_of_leaf = leaf_children(leaf);
+        children = children_of_leaf;
     }
+    int down = child_number(up.down);
     int height = dag.depth - 1;  // of the cell that the ray is in at time t, which may be empty
-    ivec3 corner = child_corner_at(up, ivec3(0), height, t);
+    ivec3 corner = ivec3(lessThanEqual(plane_time(up, ivec3(1 << height)), vec3(t))) << height;
+    int child = child_number(corner >> height) ^ down;
     int steps = 0;
-    while (t < t_end) {
+    while (true) {
         steps += 1;
-        int child = child_number(((corner >> height) & 1) ^ up.down);
-        uint child_bit = 1u << child;
-        if ((children & child_bit) != 0u) {
+        bool full = ((children >> child) & 1u) != 0u;
+        if (full) {
             if (height <= stop.height ||
                 (stop.cone > 0.0f && may_stop(stop, height, max3(plane_time(up, corner)))))
                 return make_hit(up, dag.depth, corner, height, t, steps);
             if (height >= 2) {
-                uint node = load_child(dag, nodes[height + 1], child_bit);
-                nodes[height] = node;
-                children = dag_load(dag, node);
+                parent = dag_load(dag, parent + child_word(children, child));
+                nodes[height] = parent;
+                children = dag_load(dag, parent);
                 if (height == 2) {
-                    leaf = uvec2(children, dag_load(dag, node + 1u));
-                    children = leaf_children(leaf);
+                    leaf = uvec2(children, dag_load(dag, parent + 1u));
+                    children_of_leaf = leaf_children(leaf);
+                    children = children_of_leaf;
                 }
             } else {
                 children = leaf_voxels(leaf, child);
             }
             height -= 1;
-            corner = child_corner_at(up, corner, height, t);
-        } else {
-            vec3 exits = plane_time(up, corner + (1 << height));
-            t = min3(exits);
-            ivec3 next = corner + (ivec3(lessThanEqual(exits, vec3(t))) << height);
-            ivec3 changed = corner ^ next;
-            int last = highest_bit(uint(changed.x | changed.y | changed.z));
-            if (last > height) {  // the two cells have no parent in common, but an ancestor
-                height = last;
-                if (height >= dag.depth) break;
-                children = height >= 2 ? dag_load(dag, nodes[height + 1]) : leaf_children(leaf);
-            }
-            corner = next & -(1 << height);
         }
+        // Of a full cell, now open, these are the middle planes, and those passed say in which of
+        // its children the ray is. Of an empty one they are the far planes, and the ray goes on
+        // to the first, into the next cell.
+        vec3 planes = plane_time(up, corner + (1 << height));
+        t = full ? t : min3(planes);
+        if (!(t < t_end)) break;
+        ivec3 next = corner + (ivec3(lessThanEqual(planes, vec3(t))) << height);
+        ivec3 changed = corner ^ next;
+        int last = highest_bit(uint(changed.x | changed.y | changed.z));
+        if (last > height) {  // the two cells have no parent in common, but an ancestor
+            height = last;
+            if (height >= dag.depth) break;
+            parent = nodes[height + 1];
+            children = height >= 2 ? dag_load(dag, parent) : children_of_leaf;
+        }
+        corner = next & -(1 << height);
+        child = child_number((corner >> height) & 1) ^ down;
     }
     return make_miss(ray.t_max, steps);
 }

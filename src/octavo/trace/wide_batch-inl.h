@@ -290,7 +290,7 @@ private:
             if (!(static_cast<float>(1 << (height - 1)) > stops_below)) break;
             const int child = shared::child_number((cell >> (height - 1)) & 1);
             if ((shared::dag_load(dag_, node) & (1u << child)) == 0) break;
-            node = shared::load_child(dag_, node, 1u << child);
+            node = shared::load_child(dag_, node, child);
             --height;
             batch_.nodes[height] = static_cast<std::int32_t>(node);
         }

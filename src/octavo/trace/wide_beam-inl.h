@@ -69,7 +69,7 @@ public:
                 frame->to_visit &= frame->to_visit - 1;
             } while (!(frame->enter[mirrored] < best_));
             child = mirrored ^ falls;
-            if (height > 2) node = shared::load_child(dag_, frame->node, 1u << child);
+            if (height > 2) node = shared::load_child(dag_, frame->node, child);
             --height;
             const IntTag d;
             const auto offset = hn::Load(d, kOffsets[mirrored]);
