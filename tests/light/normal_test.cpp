@@ -71,5 +71,29 @@ TEST(SmoothNormal, LooksOutOfASphereAtEveryLevel) {
     }
 }
 
+TEST(SmoothNormal, HasTheBitsOfTheSharedText) {
+    const dvec3 centre(30.3, 33.1, 31.8);
+    const Dag dags[] = {
+        test::slanted_wall(6, ivec3(3, -5, 7), 160),
+        test::dag_of_distance(6, [&](const dvec3& p) { return glm::length(p - centre) - 20.0; }),
+        test::dag_of(  // specks: surfaces that nothing is smooth about
+            6, [](const uvec3&, std::uint32_t) { return true; },
+            [](const uvec3& v) { return s::mix_bits(v.x + s::mix_bits(v.y + 64 * v.z)) % 8 == 0; }),
+    };
+    for (const Dag& dag : dags) {
+        test::RandomRays random(11, 64);
+        int hits = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const s::GridRay ray = test::grid_ray(random(test::RandomRays::outside));
+            const s::GridHit hit = trace_closest(s::view(dag), ray, {i % 4, 0.0f, 0.0f});
+            if (hit.face == s::kFaceNone) continue;
+            EXPECT_EQ(smooth_normal(s::view(dag), ray, hit),
+                      smooth_normal_32(s::view(dag), ray, hit));
+            ++hits;
+        }
+        EXPECT_GT(hits, 500);
+    }
+}
+
 }  // namespace
 }  // namespace octavo

@@ -129,20 +129,14 @@ Block connected_space(const Block& occupied, const ivec3& from) {
     return space;
 }
 
-/// Faces between occupied cells and the space: their sum as vectors, and their number.
-struct Faces {
-    ivec3 sum{0};
-    int count = 0;
-
-    void add(int axis, int upwards, int downwards) {
-        sum[axis] += upwards - downwards;
-        count += upwards + downwards;
-    }
-};
+void add(int axis, int upwards, int downwards, shared::FaceSum& faces) {
+    faces.sum[axis] += upwards - downwards;
+    faces.count += upwards + downwards;
+}
 
 /// Adds the faces of the occupied cells inside a window.
 void add_faces(const Block& occupied, const Block& space, int radius, const Layer& within,
-               Faces& faces) {
+               shared::FaceSum& faces) {
     const Layer nothing;
     for (int z = kRadius - radius; z <= kRadius + radius; ++z) {
         const auto k = static_cast<std::size_t>(z);
@@ -155,9 +149,9 @@ void add_faces(const Block& occupied, const Block& space, int radius, const Laye
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint64_t s = space[k].words[i];
             const std::uint64_t c = cells.words[i];
-            faces.add(0, std::popcount(c << 1 & s), std::popcount(c >> 1 & s));
-            faces.add(1, std::popcount(up.words[i] & s), std::popcount(down.words[i] & s));
-            faces.add(2, std::popcount(c & above.words[i]), std::popcount(c & below.words[i]));
+            add(0, std::popcount(c << 1 & s), std::popcount(c >> 1 & s), faces);
+            add(1, std::popcount(up.words[i] & s), std::popcount(down.words[i] & s), faces);
+            add(2, std::popcount(c & above.words[i]), std::popcount(c & below.words[i]), faces);
         }
     }
 }
@@ -176,19 +170,10 @@ vec3 smooth_normal(const shared::DagView& dag, const shared::GridRay& ray,
     else
         gather(dag, 0, 0, dag.depth, hit.height, corner, occupied);
     const Block space = connected_space(occupied, ivec3(kRadius) + ivec3(face));
-    Faces faces;
+    shared::FaceSum faces{ivec3(0), 0};
     for (std::size_t i = 0; i < kWindows.size(); ++i)
         add_faces(occupied, space, kWindowRadii[i], kWindows[i], faces);
-
-    // The steps of a plane add up to at least 1 / sqrt(3) of their number. Where faces cancel, as
-    // at the edge of a thin sheet, both sides of which can be seen, the face that was hit decides.
-    const vec3 sum(faces.sum);
-    const float missing =
-        std::max(0.0f, 0.577f * static_cast<float>(faces.count) - glm::length(sum));
-    vec3 normal = sum + missing * face;
-    if (glm::dot(normal, face) <= 0.0f) normal -= glm::dot(normal, face) * face;
-    const float length = glm::length(normal);
-    return length > 0.0f ? normal / length : face;
+    return normal_of_faces(faces, face);
 }
 
 }  // namespace octavo
