@@ -28,6 +28,22 @@ OCTAVO_FN vec3 side_light(LightView light, uint cell, int direction, vec3 toward
     return weights > 0.0f ? sum / weights : vec3(0.0f);
 }
 
+// Whether voxels hide the place before a side of a cell from a point.
+//
+//   shift  log2 of the width of a cell in voxels
+OCTAVO_FN bool side_is_hidden(DagView dag, SurfacePoint from, ivec3 cell, int direction,
+                              int shift) {
+    vec3 to = vec3(cell) + 0.5f;
+    to[direction / 2] += (direction & 1) == 1 ? 0.75f : -0.75f;
+    ivec3 own = from.cell >> shift;
+    GridRay ray = surface_ray(from);
+    ray.dir = bend_outwards(
+        (to - vec3(own)) * float(1 << shift) - (vec3(from.cell - (own << shift)) + from.frac),
+        from.face);
+    ray.t_max = 1.0f;
+    return trace_any(dag, ray, stop_at_voxels());
+}
+
 // What a white surface at a hit sends back, by the light of the cells around it.
 //
 // Each axis of the normal has the direction in which it points, and counts by its square (the
@@ -69,17 +85,8 @@ OCTAVO_FN vec3 cached_light(DagView dag, CellView cells, LightView light, GridRa
             int direction = 2 * axis + (normal[axis] > 0.0f ? 1 : 0);
             uint word = light_load(light, 6u * rank + uint(direction));
             if (word == kHiddenLight) continue;
-            if (direction != face || any(notEqual(cell, own))) {
-                vec3 to = vec3(cell) + 0.5f;
-                to[axis] += normal[axis] > 0.0f ? 0.75f : -0.75f;
-                GridRay ray = surface_ray(before);
-                ray.dir = bend_outwards(
-                    (to - vec3(before.cell >> shift)) * width -
-                        (vec3(before.cell - ((before.cell >> shift) << shift)) + before.frac),
-                    before.face);
-                ray.t_max = 1.0f;
-                if (trace_any(dag, ray, stop_at_voxels())) continue;
-            }
+            bool was_hit = direction == face && all(equal(cell, own));
+            if (!was_hit && side_is_hidden(dag, before, cell, direction, shift)) continue;
             sums[axis] += weight * unpack_rgb9e5(word);
             weights[axis] += weight;
         }
