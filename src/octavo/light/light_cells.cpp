@@ -151,41 +151,54 @@ private:
         return changes;
     }
 
+    /// For each block of an object what a move may have changed of it.
+    struct Touched {
+        std::vector<std::uint8_t> lamps, around;  // what comes straight from them
+        std::vector<std::uint8_t> any;
+    };
+    /// @param balls  around the places where the moved object was and is
+    [[nodiscard]] Touched touched_blocks(const ObjectLight& o, const MovedObject& moved,
+                                         const std::array<Ball, 2>& balls) const {
+        const std::size_t count = o.blocks.size();
+        const bool all = o.object == moved.object;
+        const Grid& grid = sides_.world().instances().grid();
+        const Box& shining = sides_.world().emitters().bounds();
+        Touched touched{Flags::value_type(count, 0), Flags::value_type(count, 0),
+                        Flags::value_type(count, 0)};
+        for (std::size_t b = 0; b < count; ++b) {
+            const Box& box = o.blocks[b].box;
+            bool lamps = all, around = all || scene_.sky.uneven();
+            for (const Ball& ball : balls) {
+                for (const Light& light : scene_.lights)
+                    lamps = lamps || shades(ball, light, box, grid);
+                around = around || covered(box, ball) > options_.move_tolerance ||
+                         (!shining.empty() && between(ball, ball_of(box), ball_of(shining)));
+            }
+            touched.lamps[b] = lamps ? 1 : 0;
+            touched.around[b] = around ? 1 : 0;
+            touched.any[b] = lamps || around ? 1 : 0;
+        }
+        return touched;
+    }
+
     /// Redoes what comes straight from lamps and from around where an object was or is.
     /// @param balls          around these places
     /// @param looked_around  gets the blocks whose rays over the hemisphere were sent again
     Changes redo_around_object(const MovedObject& moved, const std::array<Ball, 2>& balls,
                                Flags& looked_around) {
         const bool can_keep = sides_.keeps_rows() && !scene_.sky.uneven();
-        const Box& shining = sides_.world().emitters().bounds();
         Changes changes;
         for (ObjectLight& o : sides_.objects()) {
-            std::vector<std::uint8_t> shaded(o.blocks.size(), 0), around(o.blocks.size(), 0),
-                some(o.blocks.size(), 0);
-            std::vector<double> flux(o.blocks.size(), 0.0);
-            for (std::size_t b = 0; b < some.size(); ++b) {
-                const Box& box = o.blocks[b].box;
-                const Ball block = ball_of(box);
-                const bool all = o.object == moved.object;
-                bool lamp = all, look = all || scene_.sky.uneven();
-                for (const Ball& ball : balls) {
-                    for (const Light& light : scene_.lights)
-                        lamp = lamp || shades(ball, light, box, sides_.world().instances().grid());
-                    look = look || covered(box, ball) > options_.move_tolerance ||
-                           (!shining.empty() && between(ball, block, ball_of(shining)));
-                }
-                shaded[b] = lamp ? 1 : 0;
-                around[b] = look ? 1 : 0;
-                some[b] = lamp || look ? 1 : 0;
-            }
+            Touched touched = touched_blocks(o, moved, balls);
             // Blocks that do not look around have rows of before the move from now on.
             std::vector<std::uint8_t>& hold = rows_hold_[o.object];
             hold.resize(o.blocks.size(), 0);
             const std::vector<std::uint8_t> held =
                 std::exchange(hold, Flags::value_type(hold.size(), 0));
-            for_blocks(o, some, [&](const SideBlock& block, std::size_t b) {
-                if (shaded[b] != 0) sides_.gather_lamps(o, block);
-                if (around[b] != 0) {
+            std::vector<double> flux(o.blocks.size(), 0.0);
+            for_blocks(o, touched.any, [&](const SideBlock& block, std::size_t b) {
+                if (touched.lamps[b] != 0) sides_.gather_lamps(o, block);
+                if (touched.around[b] != 0) {
                     if (can_keep && held[b] != 0 && o.object != moved.object)
                         sides_.gather_around(o, block, moved);
                     else
@@ -194,7 +207,7 @@ private:
                 }
                 flux[b] = sides_.write(o, block, 0);
             });
-            looked_around.push_back(std::move(around));
+            looked_around.push_back(std::move(touched.around));
             changes.push_back(std::move(flux));
         }
         sides_.find_rest(looked_around);
