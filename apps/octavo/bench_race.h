@@ -13,7 +13,7 @@
 #include "nanovdb_tracer.h"
 #include "octavo/backend/device.h"
 #include "octavo/io/model.h"
-#include "octavo/render/camera.h"
+#include "octavo/render/pixel_rays.h"
 #include "octavo/trace/partitions.h"
 #include "triangle_tracer.h"
 

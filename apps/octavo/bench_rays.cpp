@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "octavo/render/camera.h"
+#include "octavo/render/pixel_rays.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/render/effects.h"
 
 namespace octavo::cli {

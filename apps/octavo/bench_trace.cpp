@@ -17,7 +17,7 @@
 #include "octavo/backend/device.h"
 #include "octavo/core/parallel.h"
 #include "octavo/io/octv.h"
-#include "octavo/render/camera.h"
+#include "octavo/render/pixel_rays.h"
 #include "output.h"
 #include "scene_input.h"
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "arguments.h"
-#include "octavo/render/camera.h"
 #include "octavo/render/render.h"
 
 namespace octavo::cli {

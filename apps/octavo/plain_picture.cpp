@@ -10,7 +10,7 @@
 #include <cstddef>
 
 #include "octavo/light/normal.h"
-#include "octavo/render/camera.h"
+#include "octavo/render/pixel_rays.h"
 
 namespace octavo::cli {
 namespace {

@@ -61,6 +61,7 @@
 #include "octavo/light/lit_scene.h"    // LitScene: several DAGs with their places, lamps and a sky
 
 // Pictures.
+#include "octavo/render/camera.h"      // look_at, default_camera; sun_at, default_sun
 #include "octavo/render/image.h"       // Image; write_png, write_exr
 #include "octavo/render/render.h"      // render: camera, sun, shadow, ambient occlusion
 #include "octavo/render/render_lit.h"  // render_lit: with the light of the cells, or by paths

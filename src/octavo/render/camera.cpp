@@ -9,11 +9,6 @@
 namespace octavo {
 namespace {
 
-/// Voxels from the grid's centre up to which a float tells neighbouring voxels' planes well apart.
-constexpr double kNear = 1 << 20;
-/// Beyond this a cell's number may leave 32 bits.
-constexpr double kFarthest = 1 << 29;
-
 constexpr double kTenDegrees = 0.17453292519943295;
 
 /// Four times that of the real sun: its penumbra shows from some metres on, as on a hazy day.
@@ -42,38 +37,6 @@ dvec3 unit_up(const dvec3& up) {
 }
 
 }  // namespace
-
-PixelRays::PixelRays(const Camera& camera, const Grid& grid, int width, int height)
-    : pitch_(2.0 * std::tan(0.5 * camera.vertical_fov) / height) {
-    const dvec3 forward = glm::normalize(camera.forward);
-    const dvec3 right = glm::normalize(glm::cross(forward, camera.up));
-    const dvec3 up = glm::cross(right, forward);
-    dvec3 start = grid.to_grid(camera.eye);
-
-    const double side = grid.resolution();
-    double t_before = 0.0;
-    const dvec3 to_centre = 0.5 * side - start;
-    if (glm::length(to_centre) > kNear) {
-        t_before = std::max(0.0, glm::dot(forward, to_centre) - side);
-        start += t_before * forward;
-        const dvec3 to_corner = 0.5 * pitch_ * (double(height) * up - double(width) * right);
-        sees_nothing_ = !(glm::length(start + t_before * to_corner - 0.5 * side) < kFarthest);
-    }
-    // Whole numbers need not hold where such a camera is, and of its rays only the directions
-    // count.
-    if (sees_nothing_) {
-        start = dvec3(0.0);
-        t_before = 0.0;
-    }
-    const dvec3 cell = glm::floor(start);
-    view_.cell = ivec3(cell);
-    view_.frac = vec3(start - cell);
-    view_.forward = vec3(forward);
-    view_.right = vec3(pitch_ * right);
-    view_.down = vec3(-pitch_ * up);
-    view_.centre = 0.5f * vec2(static_cast<float>(width), static_cast<float>(height));
-    view_.t_before = static_cast<float>(t_before);
-}
 
 Camera look_along(const dvec3& eye, const dvec3& forward, const dvec3& up, double vertical_fov) {
     if (!finite(eye)) throw Error(Errc::bad_argument, "the camera's position is not finite");
@@ -115,14 +78,6 @@ Camera default_camera(const Box& box, const dvec3& up, double aspect) {
     if (distance == 0.0) distance = 1.0;  // a point, whose grid has that side
     camera.eye = box.centre() + 1.04 * distance * towards_eye;
     return camera;
-}
-
-Camera picture_camera(const RenderOptions& options, const Box& framed) {
-    if (!options.camera)
-        return default_camera(framed, options.up,
-                              static_cast<double>(options.width) / options.height);
-    const Camera& asked = *options.camera;
-    return look_along(asked.eye, asked.forward, asked.up, asked.vertical_fov);
 }
 
 Light sun_at(double azimuth, double elevation, const dvec3& up) {

@@ -1,57 +1,35 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
-#include "octavo/core/grid.h"
+#include "octavo/core/box.h"
+#include "octavo/core/vec.h"
 #include "octavo/mesh/scene.h"
-#include "octavo/render/effects.h"
-#include "octavo/render/render.h"
 
+/// Cameras and suns by where they stand and look; world space, angles in radians. All throw Error
+/// bad_argument where `up` is zero or a number is not finite.
 namespace octavo {
 
-/// A camera's rays through the pixels of a picture, in grid space. All rays have the same length
-/// along the view direction, so that time is depth in voxels, minus `t_before`.
+/// A camera that sees the whole box from a little above, from the direction (1, 0.6, 1.4) about
+/// `up`.
+[[nodiscard]] Camera default_camera(const Box& box, const dvec3& up, double aspect);
+
+/// A camera at a place that looks in a direction.
 ///
-/// Near the grid, all start in one point, as beams need. A camera that is too far for whole numbers
-/// starts each ray at its own point of a plane before the grid.
-class PixelRays {
-public:
-    PixelRays(const Camera& camera, const Grid& grid, int width, int height);
+/// @param forward, up   of any length
+/// @param vertical_fov  radians, in (0, pi)
+/// @throws Error        bad_argument where a direction is zero, `up` is parallel to the view, or
+///                      the field of view is out of range
+[[nodiscard]] Camera look_along(const dvec3& eye, const dvec3& forward, const dvec3& up,
+                                double vertical_fov);
+/// The same towards a point. @throws Error also where eye and target coincide
+[[nodiscard]] Camera look_at(const dvec3& eye, const dvec3& target, const dvec3& up,
+                             double vertical_fov);
 
-    /// Nothing of the grid can be seen: too far away and not in front. Rays have their directions
-    /// then and no true origin: they are for an empty grid.
-    [[nodiscard]] bool sees_nothing() const { return sees_nothing_; }
+/// A sun that stands at this azimuth (from the +z axis, or the nearest thing at right angles to
+/// `up`, towards +x) and elevation above the horizon; radians. Its angular radius is 0.02.
+[[nodiscard]] Light sun_at(double azimuth, double elevation, const dvec3& up = {0.0, 1.0, 0.0});
 
-    /// How far the rays have travelled before their origin, in multiples of their direction.
-    [[nodiscard]] float t_before() const { return view_.t_before; }
-
-    /// Width of a pixel at depth 1.
-    [[nodiscard]] float pixel_pitch() const { return static_cast<float>(pitch_); }
-
-    /// The camera as the shared text wants it. Rays are those of camera_ray().
-    [[nodiscard]] const shared::CameraView& view() const { return view_; }
-
-    [[nodiscard]] shared::GridRay ray(int x, int y) const {
-        return camera_ray(view_, {x, y}, vec2(0.5f));
-    }
-
-    /// The bundle of all rays through the pixels from (x0, y0) to before (x1, y1); none where rays
-    /// start apart.
-    [[nodiscard]] std::optional<shared::Bundle> bundle(int x0, int y0, int x1, int y1) const {
-        if (view_.t_before > 0.0f) return std::nullopt;
-        return camera_bundle(view_, {x0, y0}, {x1, y1});
-    }
-
-private:
-    shared::CameraView view_;
-    double pitch_;
-    bool sees_nothing_ = false;
-};
-
-/// The camera of a picture: the one that is asked for, or default_camera() of the box.
-/// @throws Error  bad_argument where the camera that is asked for is none, see look_along()
-[[nodiscard]] Camera picture_camera(const RenderOptions& options, const Box& framed);
+/// The warm sun of the default picture: 55 degrees to the camera's left, 42 degrees high.
+[[nodiscard]] Light default_sun(const Camera& camera, const dvec3& up);
 
 }  // namespace octavo

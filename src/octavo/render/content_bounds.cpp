@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "octavo/render/content_bounds.h"
+
 #include <algorithm>
 #include <bit>
-
-#include "octavo/render/render.h"
 
 namespace octavo {
 namespace {

@@ -27,6 +27,14 @@ void check(const RenderOptions& o) {
             refuse("a light's size is negative or not finite");
 }
 
+Camera picture_camera(const RenderOptions& options, const Box& framed) {
+    if (!options.camera)
+        return default_camera(framed, options.up,
+                              static_cast<double>(options.width) / options.height);
+    const Camera& asked = *options.camera;
+    return look_along(asked.eye, asked.forward, asked.up, asked.vertical_fov);
+}
+
 RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options) {
     check(options);
     const Box content = content_bounds(dag, grid);

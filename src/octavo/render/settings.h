@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "octavo/render/camera.h"
+#include "octavo/render/pixel_rays.h"
 #include "octavo/render/render.h"
 #include "octavo/render/visibility.h"
 
@@ -24,6 +24,10 @@ struct RenderSettings {
 
 /// @throws Error  bad_argument where an option is out of range or not finite
 void check(const RenderOptions& options);
+
+/// The camera of a picture: the one that is asked for, or default_camera() of the box.
+/// @throws Error  bad_argument where the camera that is asked for is none, see look_along()
+[[nodiscard]] Camera picture_camera(const RenderOptions& options, const Box& framed);
 
 /// @throws Error  bad_argument where check() does, or the camera is none
 [[nodiscard]] RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& options);
