@@ -12,7 +12,6 @@ namespace octavo::cli {
 namespace {
 
 constexpr int kFrames = 32;
-constexpr double kAmbientReach = 0.06;  // of the scene's diagonal, as in RenderOptions
 
 const dvec3 kUp(0.0, 1.0, 0.0);
 

@@ -25,6 +25,9 @@ class Partitions;
 
 enum class Shadows { none, hard, soft };
 
+/// What an ambient radius of 0 stands for: this part of the diagonal of the voxels' bounds.
+inline constexpr double kAmbientReach = 0.06;
+
 /// Where a primary ray meets a surface; t is infinite where it meets none.
 struct SurfaceHit {
     double t = std::numeric_limits<double>::infinity();  // in multiples of the ray's direction
@@ -52,7 +55,7 @@ struct RenderOptions {
     float least_light = 1.0f / 2048;
 
     int ao_samples = 64;     // 0: no ambient occlusion
-    double ao_radius = 0.0;  // world units; 0: 0.06 times the diagonal of the voxels' bounds
+    double ao_radius = 0.0;  // world units; 0: by kAmbientReach
     double ao_cone = 0.0;  // radians: an ambient ray may stop at cells that look smaller; 0: never
 
     int samples = 4;              // primary rays, jittered inside the pixel; 1: its centre

@@ -48,7 +48,7 @@ RenderSettings settle(const Dag& dag, const Grid& grid, const RenderOptions& opt
                             camera.eye,
                             content};
     const double diagonal = content.empty() ? 1.0 : glm::length(content.size());
-    const double radius = options.ao_radius > 0.0 ? options.ao_radius : 0.06 * diagonal;
+    const double radius = options.ao_radius > 0.0 ? options.ao_radius : kAmbientReach * diagonal;
     settings.ao_radius = static_cast<float>(radius / grid.voxel_size);
     settings.ao_stop.cone = static_cast<float>(options.ao_cone);
     // A ray stands for its share of the pixel: with four, cells of half a pixel still count.
