@@ -50,12 +50,6 @@ PrimaryFunction primary_of(std::shared_ptr<const TriangleTracer> triangles) {
         };
 }
 
-void check_extension(const std::filesystem::path& file) {
-    const std::string extension = lowercase_extension(file);
-    if (extension != ".png" && extension != ".exr")
-        throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
-}
-
 void choose_camera(RenderArguments& arguments, const Model& model) {
     arguments.options.camera =
         chosen_camera(arguments.camera, model, arguments.options.up, arguments.aspect());
@@ -120,7 +114,7 @@ void run_lit(RenderArguments& arguments) {
 }
 
 void run_render(RenderArguments& arguments) {
-    check_extension(arguments.output);
+    check_picture_name(arguments.output);
     check_output(arguments.output, arguments.force,
                  {arguments.file, arguments.dag, sky_picture(arguments.light.sky.value_or(""))});
     if (!arguments.gi.empty() && arguments.gi != "gathered" && arguments.gi != "cached")

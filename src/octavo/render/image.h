@@ -49,7 +49,11 @@ void write_png(const std::filesystem::path& file, const Image& image, double exp
 /// as by write_png.
 void write_exr(const std::filesystem::path& file, const Image& image);
 
-/// Writes by the file name's extension, .png or .exr. @throws Error bad_argument on any other
+/// That write_image() knows the file name's extension. @throws Error bad_argument where it does not
+void check_picture_name(const std::filesystem::path& file);
+
+/// Writes by the file name's extension, .png or .exr.
+/// @throws Error  bad_argument on any other; as write_png
 void write_image(const std::filesystem::path& file, const Image& image, double exposure = 0.0);
 
 }  // namespace octavo

@@ -7,11 +7,16 @@
 
 namespace octavo {
 
-void write_image(const std::filesystem::path& file, const Image& image, double exposure) {
+void check_picture_name(const std::filesystem::path& file) {
     const std::string extension = lowercase_extension(file);
-    if (extension == ".png") return write_png(file, image, exposure);
-    if (extension == ".exr") return write_exr(file, image);
-    throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
+    if (extension != ".png" && extension != ".exr")
+        throw Error(Errc::bad_argument, file, "a picture's name ends in .png or .exr");
+}
+
+void write_image(const std::filesystem::path& file, const Image& image, double exposure) {
+    check_picture_name(file);
+    if (lowercase_extension(file) == ".exr") return write_exr(file, image);
+    write_png(file, image, exposure);
 }
 
 }  // namespace octavo
