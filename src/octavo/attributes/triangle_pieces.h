@@ -52,7 +52,7 @@ public:
     [[nodiscard]] double area() const { return area_; }  // 0: it is a line or a point
     [[nodiscard]] const dvec3& normal() const { return normal_; }
 
-    /// Calls visit(piece) for the pieces in the cells from `low` to before `high`.
+    /// Calls visit(piece) for the pieces in the cells from `low` to before `high`; x, y, z.
     template <class Visit>
     void for_each(const ivec3& low, const ivec3& high, const Visit& visit) const {
         if (area_ == 0.0) return;
@@ -60,26 +60,29 @@ public:
         rest.count = 3;
         for (unsigned i = 0; i < 3; ++i)
             rest.points[i] = {corners_[i][u_], corners_[i][v_], corners_[i][w_]};
-        const Axes first(low[u_], low[v_], low[w_]), end(high[u_], high[v_], high[w_]);
+        const CellBox box{{low[u_], low[v_], low[w_]}, {high[u_], high[v_], high[w_]}};
         Polygon cut;
         for (int axis = 0; axis < 3; ++axis) {
             // What lies in the border itself stays: it touches the cells on both sides.
-            if (rest.range(axis)[0] < first[axis]) rest.split(axis, first[axis], cut, rest);
+            if (rest.range(axis)[0] < box.first[axis]) rest.split(axis, box.first[axis], cut, rest);
             if (rest.count < 3) return;
-            if (rest.range(axis)[1] > end[axis]) rest.split(axis, end[axis], rest, cut);
+            if (rest.range(axis)[1] > box.end[axis]) rest.split(axis, box.end[axis], rest, cut);
             if (rest.count < 3) return;
         }
         const auto [u_low, u_high] = rest.range(0);
-        for (int u = whole(u_low, first[0], end[0]); rest.count >= 3 && u < end[0] && u < u_high;
-             ++u) {
+        for (int u = whole(u_low, box.first[0], box.end[0]);
+             rest.count >= 3 && u < box.end[0] && u < u_high; ++u) {
             Polygon strip;
             rest.split(0, u + 1, strip, rest);
-            if (strip.count >= 3) visit_strip(strip, u, first, end, visit);
+            if (strip.count >= 3) visit_strip(strip, u, box, visit);
         }
     }
 
 private:
-    using Axes = ivec3;  // along u, v and w
+    /// Cells from `first` to before `end`; along u, v and w.
+    struct CellBox {
+        ivec3 first, end;
+    };
 
     /// Convex; points are (u, v, w). Clipping a triangle by six planes and cutting it by six more
     /// gives at most 15.
@@ -143,19 +146,18 @@ private:
     }
 
     template <class Visit>
-    void visit_strip(Polygon& rest, int u, const Axes& first, const Axes& end,
-                     const Visit& visit) const {
+    void visit_strip(Polygon& rest, int u, const CellBox& box, const Visit& visit) const {
         const auto [v_low, v_high] = rest.range(1);
-        int v = whole(v_low, first[1], end[1]);
+        int v = whole(v_low, box.first[1], box.end[1]);
         const auto [full, full_end] = full_squares(rest, u);
         Polygon column;
-        while (v < end[1] && v < v_high) {
+        while (v < box.end[1] && v < v_high) {
             if (v == full && full < full_end) {
-                for (; v < full_end; ++v) visit_square(u, v, first, end, visit);
+                for (; v < full_end; ++v) visit_square(u, v, box, visit);
                 rest.split(1, v, column, rest);
             } else {
                 rest.split(1, ++v, column, rest);
-                if (column.count >= 3) visit_column(column, u, v - 1, first, end, visit);
+                if (column.count >= 3) visit_column(column, u, v - 1, box, visit);
             }
             if (rest.count < 3) return;
         }
@@ -181,39 +183,37 @@ private:
     }
 
     template <class Visit>
-    void visit_square(int u, int v, const Axes& first, const Axes& end, const Visit& visit) const {
+    void visit_square(int u, int v, const CellBox& box, const Visit& visit) const {
         const double middle = height(u + 0.5, v + 0.5);
         const double reach = 0.5 * (std::abs(slope_u_) + std::abs(slope_v_));
         const double floor = std::floor(middle - reach);
         if (middle + reach < floor + 1.0 && (reach > 0.0 || middle > floor))
-            return give(u, v, static_cast<int>(floor), 1.0, {u + 0.5, v + 0.5, middle}, first, end,
+            return give({u, v, static_cast<int>(floor)}, 1.0, {u + 0.5, v + 0.5, middle}, box,
                         visit);
         Polygon square;
         square.count = 4;
         unsigned i = 0;
         for (const auto& [x, y] : {std::array{0, 0}, {1, 0}, {1, 1}, {0, 1}})
             square.points[i++] = {u + x, v + y, height(u + x, v + y)};
-        visit_column(square, u, v, first, end, visit);
+        visit_column(square, u, v, box, visit);
     }
 
     template <class Visit>
-    void visit_column(Polygon& rest, int u, int v, const Axes& first, const Axes& end,
-                      const Visit& visit) const {
+    void visit_column(Polygon& rest, int u, int v, const CellBox& box, const Visit& visit) const {
         const auto [low, high] = rest.range(2);
         int w = static_cast<int>(std::floor(low));
-        if (low == high && low == w) give(rest, u, v, w - 1, first, end, visit);
+        if (low == high && low == w) give({u, v, w - 1}, rest, box, visit);
         Polygon part;
         for (; high > w + 1; ++w) {
             rest.split(2, w + 1, part, rest);
-            if (part.count >= 3) give(part, u, v, w, first, end, visit);
+            if (part.count >= 3) give({u, v, w}, part, box, visit);
             if (rest.count < 3) return;
         }
-        give(rest, u, v, w, first, end, visit);
+        give({u, v, w}, rest, box, visit);
     }
 
     template <class Visit>
-    void give(const Polygon& p, int u, int v, int w, const Axes& first, const Axes& end,
-              const Visit& visit) const {
+    void give(const ivec3& cell, const Polygon& p, const CellBox& box, const Visit& visit) const {
         // As a fan around its first point.
         double twice = 0.0;
         dvec3 weighted(0.0);
@@ -225,14 +225,14 @@ private:
             weighted += part * (a + b);
         }
         if (twice <= 1e-12) return;
-        give(u, v, w, 0.5 * twice, origin + weighted / (3.0 * twice), first, end, visit);
+        give(cell, 0.5 * twice, origin + weighted / (3.0 * twice), box, visit);
     }
 
     template <class Visit>
-    void give(int u, int v, int w, double shadow, const dvec3& centre, const Axes& first,
-              const Axes& end, const Visit& visit) const {
-        if (w < first[2] || w >= end[2]) return;
-        visit(Piece{{u, v, w}, shadow * stretch_, centre});
+    void give(const ivec3& cell, double shadow, const dvec3& centre, const CellBox& box,
+              const Visit& visit) const {
+        if (cell.z < box.first.z || cell.z >= box.end.z) return;
+        visit(Piece{cell, shadow * stretch_, centre});
     }
 
     std::array<dvec3, 3> corners_;
