@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
+#include "octavo/attributes/four_channels.h"
 #include "octavo/core/vec.h"
 #include "octavo/mesh/scene.h"
 
@@ -24,37 +24,6 @@ struct TexelPair {
     int first, second;
     float part;
 };
-
-// Four channels at once; every compiler that we build with has these.
-typedef std::uint16_t EightWords __attribute__((vector_size(16)));
-typedef std::int32_t FourInts __attribute__((vector_size(16)));
-typedef float FourFloats __attribute__((vector_size(16)));
-
-// By way of whole registers: compilers take vectors of half a register apart.
-inline FourFloats texel_channels(const std::uint32_t* texel) {
-    EightWords words{};
-    std::memcpy(&words, texel, 8);
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    const EightWords mixed = __builtin_shufflevector(words, EightWords{}, 0, 8, 1, 9, 2, 10, 3, 11);
-#else
-    const EightWords mixed = __builtin_shufflevector(words, EightWords{}, 8, 0, 9, 1, 10, 2, 11, 3);
-#endif
-    FourInts channels;
-    std::memcpy(&channels, &mixed, sizeof channels);
-    return __builtin_convertvector(channels, FourFloats);
-}
-
-/// The lower halves of three numbers, and a fourth word.
-inline EightWords low_words(const FourInts& numbers, std::uint16_t fourth) {
-    EightWords halves;
-    std::memcpy(&halves, &numbers, sizeof halves);
-    const EightWords others = EightWords{} + fourth;
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    return __builtin_shufflevector(halves, others, 0, 2, 4, 8, 8, 8, 8, 8);
-#else
-    return __builtin_shufflevector(halves, others, 1, 3, 5, 8, 8, 8, 8, 8);
-#endif
-}
 
 }  // namespace detail
 
