@@ -7,6 +7,7 @@
 #include "harness.h"
 #include "octavo/attributes/attributes.h"
 #include "octavo/attributes/cell_light.h"
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/dag/dag.h"
 #include "octavo/dag/statistics.h"
 #include "octavo/io/compression.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octavo/attributes/cell_values.h"
+#include "octavo/attributes/cell_values_writer.h"
 
 #include <gtest/gtest.h>
 

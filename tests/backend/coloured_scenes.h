@@ -5,6 +5,7 @@
 #include <string>
 
 #include "octavo/attributes/build_attributes.h"
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/construct/build.h"
 #include "octavo/light/light_cells.h"
 #include "octavo/mesh/samples.h"

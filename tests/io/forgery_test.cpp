@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <vector>
+#include "octavo/attributes/cell_values_writer.h"
 
 #include "io/small_model.h"
 #include "octavo/core/error.h"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/light/lit_scene.h"
 #include "octavo/render/render_lit.h"
 #include "support/small_dags.h"

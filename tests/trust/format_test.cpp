@@ -7,6 +7,7 @@
 
 #include "harness.h"
 #include "io/small_model.h"
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/io/validate.h"
 #include "support/temporary_folder.h"
 

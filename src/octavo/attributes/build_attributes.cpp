@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/attributes/tile_averages.h"
 #include "octavo/core/memory.h"
 #include "octavo/core/morton.h"
