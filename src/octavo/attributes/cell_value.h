@@ -2,8 +2,8 @@
 //
 // What is stored for an occupied cell, for every backend: CellValues::get(). Shared text: see
 // trace/shared_text.h. A backend includes before it
-//     its own  struct ValueView { ...; };                  see attributes/cell_values.h for the
-//     words and      uint value_load(ValueView values, uint word);
+//     its own  struct ValueView { ...; };          see attributes/cell_values.h for the words
+//     and      uint value_load(ValueView values, uint word);
 #pragma once
 
 OCTAVO_SHARED_BEGIN

@@ -20,8 +20,8 @@ SurfaceTiles::SurfaceTiles(const Scene& scene, const Grid& cells, int tile_depth
         const auto by_place = [](std::size_t begin, std::span<std::uint32_t> numbers) {
             std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(begin));
         };
-        spilled_.emplace(scene, cells, tile_depth, scratch / "surfaces", buffer_bytes, by_place,
-                         progress);
+        spilled_.emplace(scene, cells, tile_depth, by_place,
+                         DiskSort{scratch / "surfaces", buffer_bytes, progress});
     }
 }
 

@@ -6,13 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include "octavo/attributes/nearest_triangle.h"
 #include "octavo/core/morton.h"
 
 namespace octavo {
 namespace {
 
 constexpr double kAreaUnits = 4294967296.0;  // of a cell's face
-constexpr double kNormalUnits = 16384.0;
 constexpr std::size_t kMostPartsUnderCap = 65536;
 // Linux maps up to 64 kB around what is looked at: 4 MiB at most for what is known of them.
 constexpr int kTrianglesBeforeRoom = 64;
@@ -26,83 +26,7 @@ double footprint_of(double area) {
     return std::min(1.0, std::sqrt(area));
 }
 
-/// The point of a triangle that is nearest to p. Ericson, "Real-Time Collision Detection", 5.1.5.
-dvec3 nearest_point(const std::array<dvec3, 3>& t, const dvec3& p) {
-    const dvec3 ab = t[1] - t[0], ac = t[2] - t[0];
-    const auto on_segment = [&](const dvec3& a, const dvec3& b) {
-        const double square = glm::dot(b - a, b - a);
-        if (square == 0.0) return a;
-        return a + std::clamp(glm::dot(p - a, b - a) / square, 0.0, 1.0) * (b - a);
-    };
-    const dvec3 normal = glm::cross(ab, ac);
-    const double square = glm::dot(normal, normal);
-    if (square > 0.0) {
-        const double b = glm::dot(glm::cross(p - t[0], ac), normal) / square;
-        const double c = glm::dot(glm::cross(ab, p - t[0]), normal) / square;
-        if (b >= 0.0 && c >= 0.0 && b + c <= 1.0) return t[0] + b * ab + c * ac;
-    }
-    dvec3 best = t[0];
-    double least = std::numeric_limits<double>::infinity();
-    for (unsigned i = 0; i < 3; ++i) {
-        const dvec3 q = on_segment(t[i], t[(i + 1) % 3]);
-        const double distance = glm::dot(q - p, q - p);
-        if (distance < least) {
-            least = distance;
-            best = q;
-        }
-    }
-    return best;
-}
-
 }  // namespace
-
-/// What the parts on one side of a cell come to. Whole numbers, so their order makes no difference.
-/// A cell's face is 2^32 and colours have 16 bits: the sums hold for 65 536 faces in a cell.
-class TileAverager::Sum {
-public:
-    /// @param color_alone  emission and normal are not asked for
-    explicit Sum(bool color_alone) : color_alone_(color_alone) {}
-
-    void add(const Part& part, const Facet& facet, const Glow& glow) {
-        // Emission and normal count the whole area, colour only what is no hole.
-        area_ += part.area;
-        const std::uint64_t solid =
-            part.tint.opacity == 65535 ? part.area : part.area * part.tint.opacity / 65535;
-        solid_ += solid;
-        for (unsigned i = 0; i < 3; ++i) color_[i] += solid * part.tint.color[i];
-        if (color_alone_) return;
-        for (unsigned i = 0; i < 3; ++i) {
-            emission_[i] += (part.area >> 8) * glow[i];
-            normal_[i] += static_cast<std::int64_t>(part.area >> 8) * facet.normal[i];
-        }
-    }
-    [[nodiscard]] std::uint64_t area() const { return area_; }
-    [[nodiscard]] std::uint32_t color(std::span<const std::uint8_t> srgb8) const {
-        if (solid_ == 0) return 0;
-        Rgb8 c{};
-        for (unsigned i = 0; i < 3; ++i) c[i] = srgb8[(color_[i] + solid_ / 2) / solid_];
-        return pack_rgb8(c);
-    }
-    [[nodiscard]] std::uint32_t emission(float greatest) const {
-        if (area_ == 0 || (emission_[0] | emission_[1] | emission_[2]) == 0) return 0;
-        const double scale = greatest / (static_cast<double>(area_) * (1048576.0 / 256.0));
-        vec3 mean;
-        for (int i = 0; i < 3; ++i)
-            mean[i] = static_cast<float>(static_cast<double>(emission_[static_cast<unsigned>(i)]) *
-                                         scale);
-        return pack_rgb9e5(mean);
-    }
-    [[nodiscard]] vec3 normal() const {
-        return {static_cast<float>(normal_[0]), static_cast<float>(normal_[1]),
-                static_cast<float>(normal_[2])};
-    }
-
-private:
-    bool color_alone_;
-    std::uint64_t area_ = 0, solid_ = 0;
-    std::array<std::uint64_t, 3> color_{}, emission_{};
-    std::array<std::int64_t, 3> normal_{};
-};
 
 TileAverager::TileAverager(const CellIndex& cells, const SurfaceTiles& triangles,
                            const SurfaceSampler& surfaces, const AttributeOptions& wanted,
@@ -240,7 +164,7 @@ TileAverager::Facet TileAverager::facet_of(const TrianglePieces& pieces) {
     const dvec3 n = pieces.normal();
     for (int i = 0; i < 3; ++i)
         facet.normal[static_cast<unsigned>(i)] =
-            static_cast<std::int16_t>(std::llround(n[i] * kNormalUnits));
+            static_cast<std::int16_t>(std::llround(n[i] * SurfaceFacet::kUnits));
     const dvec3 size = glm::abs(n);
     const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
     facet.facing = static_cast<std::int16_t>(2 * axis + (n[axis] > 0.0));
@@ -292,66 +216,41 @@ void TileAverager::cut(const Corners& corners, std::size_t in_scene) {
 void TileAverager::touch_bare_cells() {
     struct Bare {
         std::uint32_t cell;
-        double distance = std::numeric_limits<double>::infinity();
-        std::size_t in_scene = 0;
-        Corners corners{};
-        dvec3 point{0.0};
-
-        [[nodiscard]] bool found() const {
-            return distance < std::numeric_limits<double>::infinity();
-        }
+        dvec3 centre;
+        NearestTriangle nearest{};
     };
     std::vector<Bare> bare;
     for (std::uint32_t cell = begin_; cell < end_; ++cell)
-        if (parts_[cell - begin_].area == 0) bare.push_back({.cell = cell});
+        if (parts_[cell - begin_].area == 0)
+            bare.push_back({cell, dvec3(morton_decode(codes_[cell])) + 0.5});
     if (bare.empty()) return;
 
-    const auto centre_of = [&](const Bare& b) {
-        return dvec3(morton_decode(codes_[b.cell])) + 0.5;
-    };
-    const auto offer = [&](Bare& b, const Corners& corners, std::size_t in_scene) {
-        const dvec3 centre = centre_of(b);
-        const dvec3 point = nearest_point(corners, centre);
-        const double distance = glm::dot(point - centre, point - centre);
-        // Of equally near ones the one that has the lesser corners, whatever their order.
-        const auto before = [&](const Corners& other) {
-            for (unsigned i = 0; i < 3; ++i)
-                for (int axis = 0; axis < 3; ++axis)
-                    if (corners[i][axis] != other[i][axis])
-                        return corners[i][axis] < other[i][axis];
-            return false;
-        };
-        if (distance < b.distance || (distance == b.distance && b.found() && before(b.corners)))
-            b = {b.cell, distance, in_scene, corners, point};
-    };
-    constexpr double kReach =
-        1.01;  // a triangle that touches the cell is no further from its middle
+    // A triangle that touches the cell is no further from its middle.
+    constexpr double kReach = 1.01;
     for_each_triangle([&](const Corners& c, std::size_t in_scene) {
         const dvec3 low = glm::min(c[0], glm::min(c[1], c[2])) - kReach;
         const dvec3 high = glm::max(c[0], glm::max(c[1], c[2])) + kReach;
-        for (Bare& b : bare) {
-            const dvec3 centre = centre_of(b);
-            if (glm::all(glm::greaterThanEqual(centre, low)) &&
-                glm::all(glm::lessThanEqual(centre, high)))
-                offer(b, c, in_scene);
-        }
+        for (Bare& b : bare)
+            if (glm::all(glm::greaterThanEqual(b.centre, low)) &&
+                glm::all(glm::lessThanEqual(b.centre, high)))
+                b.nearest.offer(b.centre, c, in_scene);
     });
     // Rounding may have moved the triangle that a voxel was set by: then whatever is nearest.
     std::vector<std::size_t> missing;
     for (std::size_t i = 0; i < bare.size(); ++i)
-        if (!bare[i].found()) missing.push_back(i);
+        if (!bare[i].nearest.found()) missing.push_back(i);
     if (!missing.empty())
         for_each_triangle([&](const Corners& c, std::size_t in_scene) {
-            for (const std::size_t i : missing) offer(bare[i], c, in_scene);
+            for (const std::size_t i : missing) bare[i].nearest.offer(bare[i].centre, c, in_scene);
         });
 
     for (const Bare& b : bare) {
         SurfaceSample sample;
         sample.tint.color = {65535, 65535, 65535};
         const auto number = static_cast<std::uint32_t>(facets_.size());
-        if (b.found()) {
-            facets_.push_back(facet_of(TrianglePieces(b.corners)));
-            sample = surfaces_.prepare(b.in_scene, b.corners, 1.0).at(b.point);
+        if (const NearestTriangle& t = b.nearest; t.found()) {
+            facets_.push_back(facet_of(TrianglePieces(t.corners)));
+            sample = surfaces_.prepare(t.in_scene, t.corners, 1.0).at(t.point);
         } else {
             facets_.push_back({});
         }
@@ -359,13 +258,13 @@ void TileAverager::touch_bare_cells() {
     }
 }
 
-void TileAverager::add_to(Sum& sum, std::uint32_t part) const {
+void TileAverager::add_to(PartSum& sum, std::uint32_t part) const {
     sum.add(parts_[part], facets_[parts_[part].facet], glows_wanted_ ? glows_[part] : Glow());
 }
 
 /// Of a cell of one part, as most are.
 TileAverager::Values TileAverager::values_of_one(std::uint32_t part) const {
-    Sum sum(color_alone_);
+    PartSum sum(color_alone_);
     if (!color_alone_) add_to(sum, part);
     Rgb8 color{};
     for (unsigned i = 0; i < 3; ++i) color[i] = srgb8_[parts_[part].tint.color[i]];
@@ -387,14 +286,14 @@ TileAverager::Values TileAverager::values_of_several(std::uint32_t first) const 
         facing[static_cast<unsigned>(facet.facing)] += parts_[p].area;
         one_way = one_way && facet.facing == facets_[parts_[first].facet].facing;
     });
-    Sum front(color_alone_), back(color_alone_);
+    PartSum front(color_alone_), back(color_alone_);
     std::uint32_t direction = 0;
     if (one_way) {
         for_parts([&](std::uint32_t p, const Facet&) { add_to(front, p); });
     } else {
         const int main =
             static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
-        Sum most(false);
+        PartSum most(false);
         for_parts([&](std::uint32_t p, const Facet& facet) {
             if (facet.facing == main) add_to(most, p);
         });
@@ -402,7 +301,7 @@ TileAverager::Values TileAverager::values_of_several(std::uint32_t first) const 
         const vec3 towards = unpack_coarse_direction(direction);
         for_parts([&](std::uint32_t p, const Facet& facet) {
             const vec3 normal = vec3(facet.normal[0], facet.normal[1], facet.normal[2]) /
-                                static_cast<float>(kNormalUnits);
+                                static_cast<float>(SurfaceFacet::kUnits);
             add_to(glm::dot(normal, towards) < kOpposed ? back : front, p);
         });
     }

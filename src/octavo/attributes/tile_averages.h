@@ -9,6 +9,7 @@
 
 #include "octavo/attributes/attributes.h"
 #include "octavo/attributes/build_attributes.h"
+#include "octavo/attributes/part_sum.h"
 #include "octavo/attributes/surface_sampler.h"
 #include "octavo/attributes/surface_tiles.h"
 #include "octavo/attributes/triangle_pieces.h"
@@ -37,20 +38,10 @@ public:
     void average(const uvec3& tile, const CellRange& range, TileValues& out);
 
 private:
-    using Corners = std::array<dvec3, 3>;    // in cells of the tile
-    struct Facet {                           // a triangle as it is in this tile
-        std::array<std::int16_t, 3> normal;  // unit length is 2^14
-        std::int16_t facing;                 // 2 * axis, + 1 where that component is positive
-    };
-    struct Part {                    // of a facet, in a cell
-        std::uint32_t next = kNone;  // of the same cell
-        std::uint32_t facet = 0;
-        std::uint64_t area = 0;  // a cell's face is 2^32; 0: there is none
-        Tint tint;
-    };
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    using Glow = std::array<std::uint32_t, 3>;
-    class Sum;
+    using Corners = std::array<dvec3, 3>;  // in cells of the tile
+    using Facet = SurfaceFacet;
+    using Part = SurfacePart;
+    static constexpr std::uint32_t kNone = Part::kNone;
     struct Values {  // of a cell, one for each channel
         std::uint32_t color = 0, back = 0;
         std::uint32_t emission = 0, back_emission = 0;
@@ -70,7 +61,7 @@ private:
     void add_part(std::uint32_t cell, std::uint32_t facet, std::uint64_t area, const Tint& tint,
                   const Glow& glow);
     void touch_bare_cells();
-    void add_to(Sum& sum, std::uint32_t part) const;
+    void add_to(PartSum& sum, std::uint32_t part) const;
     [[nodiscard]] Values values_of_one(std::uint32_t part) const;
     [[nodiscard]] Values values_of_several(std::uint32_t first) const;
     void write(std::uint32_t cell, TileValues& out) const;
