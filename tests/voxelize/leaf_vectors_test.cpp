@@ -41,7 +41,7 @@ TEST_P(LeafVectors, CountWhatEachLeafHolds) {
 
 TEST_P(LeafVectors, AreTakenInOrderAndLeaveZeros) {
     constexpr std::size_t kWindows = 6;
-    std::vector<std::uint64_t, HugePageAllocator<std::uint64_t>> leaves(64 * kWindows);
+    HugeVector<std::uint64_t> leaves(64 * kWindows);
     std::vector<std::uint64_t> set(kWindows), expected, out;
     std::vector<std::uint32_t> windows;
     const std::uint64_t sets[kWindows] = {1,        ~std::uint64_t{0},   0,

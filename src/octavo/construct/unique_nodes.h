@@ -294,7 +294,7 @@ private:
     WordLimits limits_;
     WordArray words_;
     // What finds its bucket full goes to the next.
-    std::vector<Bucket, ZeroedHugePageAllocator<Bucket>> buckets_;
+    HugeVector<Bucket> buckets_;
     std::size_t first_buckets_ = 16;
     std::uint64_t count_ = 0;
     std::uint64_t next_stop_ = 0;  // how many nodes there will be when stop() has something to do

@@ -34,36 +34,21 @@ void* map_huge_pages(std::size_t bytes) {
     return block;
 }
 
-void* allocate_zeroed_huge_pages(std::size_t bytes) {
+void* allocate_huge_pages(std::size_t bytes) {
     if (bytes >= kPage) return map_huge_pages(whole_pages(bytes));
-    void* const memory = allocate_huge_pages(bytes);
+    constexpr std::size_t kLine = 64;
+    const std::size_t whole_lines = (bytes + kLine - 1) / kLine * kLine;
+    void* const memory = std::aligned_alloc(kLine, whole_lines);
+    if (memory == nullptr) throw std::bad_alloc();
     std::memset(memory, 0, bytes);
     return memory;
 }
 
-void free_zeroed_huge_pages(void* memory, std::size_t bytes) noexcept {
+void free_huge_pages(void* memory, std::size_t bytes) noexcept {
     if (bytes >= kPage)
         munmap(memory, whole_pages(bytes));
     else
         std::free(memory);
-}
-
-void* allocate_huge_pages(std::size_t bytes) {
-    constexpr std::size_t kLine = 64;
-    void* memory = nullptr;
-    if (bytes < kPage) {
-        memory = std::aligned_alloc(kLine, (bytes + kLine - 1) / kLine * kLine);
-    } else {
-        memory = std::aligned_alloc(kPage, whole_pages(bytes));
-        // Advice: without it pages are small, and nothing else changes.
-        if (memory != nullptr) (void)madvise(memory, bytes / kPage * kPage, MADV_HUGEPAGE);
-    }
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-}
-
-void free_huge_pages(void* memory) noexcept {
-    std::free(memory);
 }
 
 }  // namespace octavo

@@ -69,7 +69,7 @@ private:
     struct Taking;
 
     int top_;
-    std::vector<std::uint64_t, HugePageAllocator<std::uint64_t>> blocks_;
+    HugeVector<std::uint64_t> blocks_;
     std::vector<std::uint64_t> blocks_set_;                // a bit for each block
     std::vector<std::uint64_t> windows_set_;               // for each 64 of them
     std::vector<std::vector<std::uint64_t>> coarser_set_;  // for each 64^2, ..., one word at last
