@@ -44,7 +44,8 @@ void OctvParts::set(std::uint32_t id, std::uint32_t flags, std::string content) 
     part->content = std::move(content);
 }
 
-std::vector<std::uint8_t> OctvParts::sealed() const {
+std::vector<std::uint8_t> OctvParts::sealed(
+    const std::function<void(std::vector<Section>&)>& distort) const {
     std::vector<std::uint8_t> file(octv::kPageBytes);
     std::vector<Section> sections;
     for (const Part& part : parts) {
@@ -57,6 +58,7 @@ std::vector<std::uint8_t> OctvParts::sealed() const {
         sections.push_back(section);
         file.insert(file.end(), part.content.begin(), part.content.end());
     }
+    if (distort) distort(sections);
     const auto directory = octv::encode_directory(file.size(), sections);
     std::memcpy(file.data(), directory.data(), directory.size());
     return file;

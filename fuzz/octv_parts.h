@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +28,9 @@ struct OctvParts {
 
     /// The file with offsets, sizes and checksums as they should be. A compressed section's raw
     /// size is kept.
-    [[nodiscard]] std::vector<std::uint8_t> sealed() const;
+    /// @param distort  changes the table before it gets its own checksum; or empty
+    [[nodiscard]] std::vector<std::uint8_t> sealed(
+        const std::function<void(std::vector<octv::Section>&)>& distort = {}) const;
 };
 
 /// Makes the directory's own checksum right.

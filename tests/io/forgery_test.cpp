@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Files whose checksums are right and whose content is not.
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <cstring>
-#include <functional>
 #include <string>
 #include <vector>
-#include "octavo/attributes/cell_values_writer.h"
 
 #include "io/small_model.h"
+#include "octavo/attributes/cell_values_writer.h"
 #include "octavo/core/error.h"
 #include "octavo/io/compression.h"
 #include "octavo/io/container.h"
 #include "octavo/io/octv.h"
+#include "octv_parts.h"
 #include "support/temporary_folder.h"
 
 namespace octavo {
@@ -22,23 +21,13 @@ namespace {
 using octv::Section;
 using test::TemporaryFolder;
 
-/// A file taken apart, to be changed and sealed again.
-struct Forgery {
-    struct Part {
-        Section section;
-        std::string content;
-    };
-    std::vector<Part> parts;
+/// A model's file taken apart, to be changed and sealed again.
+struct Forgery : fuzz::OctvParts {
+    explicit Forgery(const Model& model, bool compress = false)
+        : OctvParts(test::bytes_of(model, compress)) {}
 
-    explicit Forgery(const Model& model, bool compress = false) {
-        const TemporaryFolder folder;
-        write_octv(folder / "a", model, {.compress = compress});
-        const std::string file = test::file_content(folder / "a");
-        for (const Section& section : octv::decode_directory(std::as_bytes(std::span(file)), "a"))
-            parts.push_back({section, file.substr(section.offset, section.stored_bytes)});
-    }
-    Part& metadata() { return parts[0]; }
-    Part& dag() { return parts[1]; }
+    Part& metadata() { return *find(octv::kMetadataSection); }
+    Part& dag() { return *find(octv::kDagSection); }
 
     void set_word(std::size_t index, std::uint32_t word) {
         std::memcpy(dag().content.data() + 4 * index, &word, 4);
@@ -48,37 +37,12 @@ struct Forgery {
         ASSERT_NE(at, std::string::npos);
         metadata().content.replace(at, from.size(), to);
     }
-    void add(std::uint32_t id, std::uint32_t flags, const std::string& content) {
-        parts.push_back({{.id = id, .flags = flags}, content});
-    }
-
-    /// Lays the parts out anew, with sizes and checksums as they should be, then lets `distort`
-    /// change the table, then seals it with the table's own checksum.
-    [[nodiscard]] std::string sealed(
-        const std::function<void(std::vector<Section>&)>& distort = {}) const {
-        std::string file;
-        std::vector<Section> sections;
-        for (const Part& part : parts) {
-            file.resize(std::max<std::size_t>(4096, (file.size() + 4095) / 4096 * 4096));
-            Section section = part.section;
-            section.offset = file.size();
-            section.stored_bytes = part.content.size();
-            if (!(section.flags & octv::kZstd)) section.raw_bytes = part.content.size();
-            section.checksum = XXH3_64bits(part.content.data(), part.content.size());
-            sections.push_back(section);
-            file += part.content;
-        }
-        if (distort) distort(sections);
-        const auto directory = octv::encode_directory(file.size(), sections);
-        std::memcpy(file.data(), directory.data(), directory.size());
-        return file;
-    }
 };
 
 /// The error that reading these bytes gives, as "CODE OFFSET MESSAGE"; or "read".
-std::string reading(const std::string& bytes) {
+std::string reading(const std::vector<std::uint8_t>& bytes) {
     const TemporaryFolder folder;
-    test::write_file(folder / "a", bytes);
+    test::write_file(folder / "a", std::string(bytes.begin(), bytes.end()));
     try {
         (void)read_octv(folder / "a");
         return "read";
@@ -99,7 +63,7 @@ TEST(Forgery, OfNothingIsRead) {
 }
 
 TEST(Forgery, NewerVersionIsRefusedByItsNumber) {
-    std::string file = Forgery(test::small_model()).sealed();
+    std::vector<std::uint8_t> file = Forgery(test::small_model()).sealed();
     file[8] = 2;
     EXPECT_EQ(reading(file), "unsupported 8 format version 2; this program reads up to 1");
     file[8] = 0;
@@ -107,14 +71,14 @@ TEST(Forgery, NewerVersionIsRefusedByItsNumber) {
 }
 
 TEST(Forgery, BigEndianFileIsNamedAsSuch) {
-    std::string file = Forgery(test::small_model()).sealed();
+    std::vector<std::uint8_t> file = Forgery(test::small_model()).sealed();
     std::memcpy(file.data() + 8, "\0\0\0\1\1\2\3\4", 8);
     EXPECT_EQ(reading(file), "bad 12 the file's bytes are in big-endian order");
 }
 
 TEST(Forgery, UnknownSectionsAreSkippedUnlessRequired) {
     Forgery forgery(test::small_model());
-    forgery.add(octv::section_id("ATTR"), 0, "whatever this is");
+    forgery.set(octv::section_id("ATTR"), 0, "whatever this is");
     EXPECT_EQ(reading(forgery.sealed()), "read");
     forgery.parts.back().section.flags = octv::kRequired;
     EXPECT_EQ(
@@ -155,7 +119,7 @@ TEST(Forgery, SectionsMustBeAlignedApartAndInside) {
 }
 
 TEST(Forgery, HugeSectionCountIsRefused) {
-    std::string file = Forgery(test::small_model()).sealed();
+    std::vector<std::uint8_t> file = Forgery(test::small_model()).sealed();
     std::memcpy(file.data() + 24, "\xff\xff\xff\xff", 4);
     EXPECT_EQ(reading(file), "bad 24 4294967295 sections; at most 84 fit");
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "octavo/io/model.h"
+#include "octavo/io/octv.h"
+#include "support/temporary_folder.h"
 
 namespace octavo::test {
 
@@ -40,6 +43,14 @@ inline Model small_model() {
     lamp.intensity = {0.1f, 2.0f, 3e-9f};
     model.metadata.lights.push_back(lamp);
     return model;
+}
+
+/// The bytes of the model's file.
+inline std::vector<std::uint8_t> bytes_of(const Model& model, bool compress = false) {
+    const TemporaryFolder folder;
+    write_octv(folder / "a", model, {.compress = compress});
+    const std::string content = file_content(folder / "a");
+    return {content.begin(), content.end()};
 }
 
 }  // namespace octavo::test

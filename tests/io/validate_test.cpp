@@ -19,14 +19,8 @@ namespace octavo {
 namespace {
 
 using fuzz::OctvParts;
+using test::bytes_of;
 using test::TemporaryFolder;
-
-std::vector<std::uint8_t> bytes_of(const Model& model, bool compress = false) {
-    const TemporaryFolder folder;
-    write_octv(folder / "a", model, {.compress = compress});
-    const std::string content = test::file_content(folder / "a");
-    return {content.begin(), content.end()};
-}
 
 Validation validate(const std::vector<std::uint8_t>& bytes, bool strict = false) {
     const TemporaryFolder folder;
