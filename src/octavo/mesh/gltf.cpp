@@ -36,11 +36,11 @@ dvec3 unit(const dvec4& direction, const dvec3& fallback) {
 class SceneReader {
 public:
     SceneReader(Document& document, std::uint64_t max_bytes)
-        : document_(document), geometry_(document_, scene_, warnings_, max_bytes) {}
+        : document_(document),
+          geometry_(document_, scene_, read_materials(document_, scene_), warnings_, max_bytes) {}
 
     Scene read() {
         check_extensions();
-        geometry_.place_textures(read_materials(document_, scene_));
         walk_nodes();
         const std::size_t points_or_lines = geometry_.finish();
         if (scene_.triangles.empty() && points_or_lines != 0)

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "octavo/mesh/gltf_document.h"
@@ -21,16 +22,16 @@ namespace octavo::gltf {
 /// Each is added as often as a node shows it. What cannot be taken becomes a warning.
 class GeometryReader {
 public:
-    /// @param scene      has the document's materials already
-    /// @param max_bytes  of vertices and triangles
-    GeometryReader(Document& document, Scene& scene, std::set<std::string>& warnings,
-                   std::uint64_t max_bytes)
-        : document_(document), scene_(scene), warnings_(warnings), max_bytes_(max_bytes) {}
-
-    /// Before the first mesh: where the textures of each material lie.
-    void place_textures(std::vector<MaterialPlacement> placements) {
-        placements_ = std::move(placements);
-    }
+    /// @param scene       has the document's materials already
+    /// @param placements  of each of their textures, from read_materials()
+    /// @param max_bytes   of vertices and triangles
+    GeometryReader(Document& document, Scene& scene, std::vector<MaterialPlacement> placements,
+                   std::set<std::string>& warnings, std::uint64_t max_bytes)
+        : document_(document),
+          scene_(scene),
+          placements_(std::move(placements)),
+          warnings_(warnings),
+          max_bytes_(max_bytes) {}
 
     /// @throws Error  limit where a bound is passed; bad_input where the mesh refers to what is
     ///                not there
@@ -65,10 +66,10 @@ private:
 
     Document& document_;
     Scene& scene_;
+    std::vector<MaterialPlacement> placements_;
     std::set<std::string>& warnings_;
     std::uint64_t max_bytes_;
     std::uint64_t bytes_ = 0;
-    std::vector<MaterialPlacement> placements_;
     std::size_t other_primitives_ = 0;
     bool any_material_ = false;
 };
