@@ -116,7 +116,7 @@ TEST(SpilledTriangles, GiveTheLeavesOfTrianglesInMemory) {
     const Grid grid{dvec3(-0.1), 1.2 / 256, 8};
     for (const VoxelRule rule : {VoxelRule::conservative, VoxelRule::thin}) {
         const TriangleSource expected(scene, grid, rule, 5);
-        const SpilledTriangles spilled(scene, grid, rule, 5, folder / "triangles", 1, {});
+        const SpilledTriangles spilled(scene, grid, rule, 5, {folder / "triangles", 1});
         EXPECT_GT(spilled.runs(), 1u);
         EXPECT_EQ(spilled.non_finite_triangles(), expected.mesh().non_finite_triangles());
         EXPECT_EQ(spilled.degenerate_triangles(), expected.mesh().degenerate_triangles());

@@ -116,8 +116,8 @@ SortedTriangles sort_triangles(const Scene& scene, Scene* disposable, const Buil
     if (const auto buffer = triangle_buffer(scene, options, tiles_depth)) {
         scratch.open();
         auto source = std::make_unique<SpilledTriangles>(
-            scene, plan.grid, options.rule, plan.tile_depth, scratch.folder() / "triangles", buffer,
-            options.progress);
+            scene, plan.grid, options.rule, plan.tile_depth,
+            DiskSort{scratch.folder() / "triangles", buffer, options.progress});
         sorted.degenerate = source->degenerate_triangles();
         sorted.non_finite = source->non_finite_triangles();
         sorted.source = std::move(source);

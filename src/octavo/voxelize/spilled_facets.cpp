@@ -28,19 +28,18 @@ Scene piece_of(const Scene& scene, std::size_t begin, std::size_t end) {
 }  // namespace
 
 SpilledFacets::SpilledFacets(const Scene& scene, const Grid& grid, int tile_depth,
-                             const std::filesystem::path& file, std::uint64_t buffer_bytes,
-                             const Numbering& numbering, const ProgressFunction& progress)
+                             const Numbering& numbering, const DiskSort& sort)
     : tile_depth_(checked_tile_depth(tile_depth, grid.depth)),
       grid_depth_(grid.depth),
-      file_(file, SpillFile::Kind::temporary),
+      file_(sort.file, SpillFile::Kind::temporary),
       // Sorting needs as much again.
-      max_records_(std::max<std::uint64_t>(1024, buffer_bytes / 2 / sizeof(Record))) {
+      max_records_(std::max<std::uint64_t>(1024, sort.buffer_bytes / 2 / sizeof(Record))) {
     const Box bounds = scene.bounds();
     const std::size_t count = scene.triangles.size();
     records_.reserve(max_records_);
     frame_ = FixedMesh(Scene(), grid, bounds).frame();
     for (std::size_t begin = 0; begin < count; begin += kPieceTriangles) {
-        report(progress, {"sort triangles", begin, count, 0});
+        report(sort.progress, {"sort triangles", begin, count, 0});
         add_piece(scene, begin, std::min(count, begin + kPieceTriangles), bounds, grid, numbering);
     }
     write_run();

@@ -19,6 +19,13 @@
 
 namespace octavo {
 
+/// Where triangles are sorted on disk, and how.
+struct DiskSort {
+    std::filesystem::path file;      // temporary; it has no name once the triangles are sorted
+    std::uint64_t buffer_bytes = 0;  // to sort at once
+    ProgressFunction progress = {};  // phase "sort triangles", in triangles
+};
+
 /// A scene's triangles by the tiles that they meet, on disk: the scene is not needed any more once
 /// this is made.
 ///
@@ -27,21 +34,17 @@ namespace octavo {
 /// out in blocks. A thread that wants a tile looks into the one block of each run in which the
 /// tile's records begin, and keeps that block, because the next tile's are mostly in it too.
 ///
-/// Memory: `buffer_bytes` while it is made; then 16 bytes for each block of 64 kB, 8 for each tile,
-/// and for each thread a block of each run.
+/// Memory: the sort's buffer while it is made; then 16 bytes for each block of 64 kB, 8 for each
+/// tile, and for each thread a block of each run.
 class SpilledFacets {
 public:
     /// Says by what number each triangle from `begin` on is to be known.
     using Numbering = std::function<void(std::size_t begin, std::span<std::uint32_t> numbers)>;
 
-    /// @param tile_depth    as TriangleSource
-    /// @param file          a temporary file; it has no name once this is made
-    /// @param buffer_bytes  how much to sort at once
-    /// @param progress      phase "sort triangles", in triangles
-    /// @throws Error        as TriangleSource; io; cancelled
-    SpilledFacets(const Scene& scene, const Grid& grid, int tile_depth,
-                  const std::filesystem::path& file, std::uint64_t buffer_bytes,
-                  const Numbering& numbering, const ProgressFunction& progress);
+    /// @param tile_depth  as TriangleSource
+    /// @throws Error      as TriangleSource; io; cancelled
+    SpilledFacets(const Scene& scene, const Grid& grid, int tile_depth, const Numbering& numbering,
+                  const DiskSort& sort);
 
     [[nodiscard]] int tile_depth() const { return tile_depth_; }
     [[nodiscard]] const FixedMesh::Frame& frame() const { return frame_; }

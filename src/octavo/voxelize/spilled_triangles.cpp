@@ -38,13 +38,13 @@ public:
     }
 
     /// Empties the batch.
-    void rasterize(const FixedMesh::Frame& frame, std::uint32_t tile, int tile_depth,
-                   VoxelRule rule, TileBitmap& bitmap) {
+    void rasterize(const FixedMesh::Frame& frame, std::uint32_t tile, VoxelRule rule,
+                   TileBitmap& bitmap) {
         std::vector<TileTriangle> pairs;
         for (std::uint32_t i = 0; i < corners_.size(); ++i) pairs.push_back({tile, i});
         const FixedMesh mesh(frame, std::move(corners_));
         rasterize_tile(mesh, holes_file_ != nullptr ? this : nullptr, pairs, morton_decode(tile),
-                       tile_depth, rule, bitmap);
+                       rule, bitmap);
         corners_.clear();
         holes_.clear();
     }
@@ -64,17 +64,16 @@ private:
 };
 
 SpilledTriangles::SpilledTriangles(const Scene& scene, const Grid& grid, VoxelRule rule,
-                                   int tile_depth, const std::filesystem::path& file,
-                                   std::uint64_t buffer_bytes, const ProgressFunction& progress)
+                                   int tile_depth, const DiskSort& sort)
     : rule_(rule),
       cut_outs_(scene, grid),
-      holes_file_(file_for_holes(cut_outs_, file)),
+      holes_file_(file_for_holes(cut_outs_, sort.file)),
       facets_(
-          scene, grid, tile_depth, file, buffer_bytes,
+          scene, grid, tile_depth,
           [this](std::size_t begin, std::span<std::uint32_t> numbers) {
               number_by_holes(begin, numbers);
           },
-          progress),
+          sort),
       bitmaps_([tile_depth] { return TileBitmap(tile_depth); }) {
     cut_outs_.forget_triangles();
 }
@@ -98,9 +97,7 @@ void SpilledTriangles::voxelize(std::size_t index, TileOctree& octree) const {
     TileBitmap& bitmap = bitmaps_.local();
     const auto tile = static_cast<std::uint32_t>(tiles()[index]);
     Batch batch(holes_file_.get());
-    const auto rasterize = [&] {
-        batch.rasterize(facets_.frame(), tile, tile_depth(), rule_, bitmap);
-    };
+    const auto rasterize = [&] { batch.rasterize(facets_.frame(), tile, rule_, bitmap); };
     facets_.for_each(tile, [&](const std::array<FixedPoint, 3>& corners, std::uint32_t holes) {
         batch.add(corners, holes);
         if (batch.size() == kBatch) rasterize();

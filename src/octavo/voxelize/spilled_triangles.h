@@ -4,12 +4,10 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "octavo/core/grid.h"
-#include "octavo/core/progress.h"
 #include "octavo/core/spill_file.h"
 #include "octavo/mesh/scene.h"
 #include "octavo/voxelize/cut_outs.h"
@@ -27,15 +25,11 @@ namespace octavo {
 /// Memory: that of SpilledFacets, and for each thread a tile's bits.
 class SpilledTriangles final : public VoxelSource {
 public:
-    /// @param tile_depth    as TriangleSource
-    /// @param file          a temporary file; it has no name once this is made, nor has another one
-    ///                      beside it
-    /// @param buffer_bytes  how much to sort at once
-    /// @param progress      phase "sort triangles", in triangles
-    /// @throws Error        as TriangleSource; io; cancelled
+    /// @param tile_depth  as TriangleSource
+    /// @param sort        another temporary file is made beside this one
+    /// @throws Error      as TriangleSource; io; cancelled
     SpilledTriangles(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth,
-                     const std::filesystem::path& file, std::uint64_t buffer_bytes,
-                     const ProgressFunction& progress);
+                     const DiskSort& sort);
 
     [[nodiscard]] int tile_depth() const override { return facets_.tile_depth(); }
     [[nodiscard]] const std::vector<std::uint64_t>& tiles() const override {

@@ -19,6 +19,8 @@ public:
     /// @param tile_depth  log2 of the tile's side in voxels, 2 to 10
     explicit TileBitmap(int tile_depth);
 
+    [[nodiscard]] int tile_depth() const { return top_ + 2; }
+
     /// Sets voxels, or none, of the block with this Morton code.
     void set(std::uint32_t code, std::uint64_t voxels) {
         blocks_[code] |= voxels;

@@ -123,12 +123,11 @@ HWY_INLINE std::uint32_t code_of(const ivec3& position) {
 /// Marks triangles in one tile.
 class Rasterizer {
 public:
-    Rasterizer(const FixedMesh& mesh, const ivec3& tile_corner, int tile_depth, VoxelRule rule,
-               TileBitmap& bitmap)
+    Rasterizer(const FixedMesh& mesh, const uvec3& tile, VoxelRule rule, TileBitmap& bitmap)
         : space_(mesh),
-          tile_corner_(tile_corner),
-          tile_first_(axes_from(tile_corner)),
-          tile_last_(axes_from(tile_corner + ((1 << tile_depth) - 1))),
+          tile_corner_(ivec3(tile) << bitmap.tile_depth()),
+          tile_first_(axes_from(tile_corner_)),
+          tile_last_(axes_from(tile_corner_ + ((1 << bitmap.tile_depth()) - 1))),
           rule_(rule),
           bitmap_(bitmap) {}
 
@@ -248,9 +247,9 @@ private:
 };
 
 void RasterizeTile(const FixedMesh& mesh, const HoleLookup* lookup,
-                   std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
-                   VoxelRule rule, TileBitmap& bitmap) {
-    Rasterizer rasterizer(mesh, ivec3(tile) << tile_depth, tile_depth, rule, bitmap);
+                   std::span<const TileTriangle> triangles, const uvec3& tile, VoxelRule rule,
+                   TileBitmap& bitmap) {
+    Rasterizer rasterizer(mesh, tile, rule, bitmap);
     std::array<FixedPoint, 3> corners;
     CutOuts::Triangle holes;
     constexpr std::size_t kCornersAhead = 8, kTriangleAhead = 24;
@@ -306,10 +305,9 @@ void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, i
 }
 
 void rasterize_tile(const FixedMesh& mesh, const HoleLookup* holes,
-                    std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
-                    VoxelRule rule, TileBitmap& bitmap) {
-    HWY_DYNAMIC_DISPATCH(RasterizeTile)
-    (mesh, holes, triangles, tile, tile_depth, rule, bitmap);
+                    std::span<const TileTriangle> triangles, const uvec3& tile, VoxelRule rule,
+                    TileBitmap& bitmap) {
+    HWY_DYNAMIC_DISPATCH(RasterizeTile)(mesh, holes, triangles, tile, rule, bitmap);
 }
 
 std::vector<const char*> simd_targets() {

@@ -34,11 +34,12 @@ void find_tiles(const FixedMesh& mesh, std::uint32_t begin, std::uint32_t end, i
 
 /// Marks the voxels of one tile that these triangles meet under the rule, but for the holes.
 ///
-/// @param holes  by the triangle's index in the mesh; null: there are none
-/// @param tile   the tile's position, in tiles
+/// @param holes   by the triangle's index in the mesh; null: there are none
+/// @param tile    the tile's position, in tiles
+/// @param bitmap  of the tile
 void rasterize_tile(const FixedMesh& mesh, const HoleLookup* holes,
-                    std::span<const TileTriangle> triangles, const uvec3& tile, int tile_depth,
-                    VoxelRule rule, TileBitmap& bitmap);
+                    std::span<const TileTriangle> triangles, const uvec3& tile, VoxelRule rule,
+                    TileBitmap& bitmap);
 
 /// Names of the SIMD targets that this program was compiled for and this machine has, best first.
 [[nodiscard]] std::vector<const char*> simd_targets();

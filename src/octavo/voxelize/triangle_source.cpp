@@ -76,7 +76,7 @@ void TriangleSource::voxelize(std::size_t index, TileOctree& octree) const {
     } const holes(mesh_, cut_outs_);
     TileBitmap& bitmap = bitmaps_.local();
     rasterize_tile(mesh_, cut_outs_.empty() ? nullptr : &holes, triangles(index),
-                   morton_decode(tiles_[index]), tile_depth_, rule_, bitmap);
+                   morton_decode(tiles_[index]), rule_, bitmap);
     bitmap.take(octree);
 }
 
