@@ -19,14 +19,28 @@
 #include "octavo/trace/wide_proof-inl.h"
 #include "octavo/trace/wide_walk-inl.h"
 
+#ifndef OCTAVO_TRACE_WIDE_TYPES
+#define OCTAVO_TRACE_WIDE_TYPES
+namespace octavo {
+
+/// What rays are traced through, and how.
+struct WideTrace {
+    shared::DagView dag;
+    shared::Stop stop;
+    bool far_nodes;  // see WideWalk
+};
+
+}  // namespace octavo
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace octavo::HWY_NAMESPACE {
 
 /// Keeps some vectors of rays in flight, so that one computes while the others wait for memory.
 template <bool kCone, bool kPrefetch, std::size_t... kVectors, class Reader, class Results>
-HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::DagView dag,
-                          Reader& reader, shared::Stop stop, Results& results) {
-    std::array walks{((void)kVectors, Walk<kCone, kPrefetch>(dag, stop))...};
+HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, const WideTrace& trace,
+                          Reader& reader, Results& results) {
+    std::array walks{((void)kVectors, Walk<kCone, kPrefetch>(trace.dag, trace.stop))...};
     while (true) {
         bool more = false;
         for (auto& walk : walks) more = walk.refill(reader, results) || more || !walk.idle();
@@ -38,12 +52,11 @@ HWY_INLINE void walk_with(std::index_sequence<kVectors...> /*vectors*/, shared::
 }
 
 template <bool kCone, class Reader, class Results>
-HWY_INLINE void walk_all(shared::DagView dag, bool far_nodes, Reader& reader, shared::Stop stop,
-                         Results& results) {
-    if (far_nodes)
-        walk_with<kCone, true>(std::make_index_sequence<8>(), dag, reader, stop, results);
+HWY_INLINE void walk_all(const WideTrace& trace, Reader& reader, Results& results) {
+    if (trace.far_nodes)
+        walk_with<kCone, true>(std::make_index_sequence<8>(), trace, reader, results);
     else
-        walk_with<kCone, false>(std::make_index_sequence<2>(), dag, reader, stop, results);
+        walk_with<kCone, false>(std::make_index_sequence<2>(), trace, reader, results);
 }
 
 /// Marks the rays that hit something.
@@ -106,24 +119,23 @@ struct Misses {
     void soon(std::size_t first, std::size_t count) { prefetch(hits.subspan(first, count)); }
 };
 
-void TraceClosest(shared::DagView dag, bool far_nodes, std::span<const shared::GridRay> rays,
-                  shared::Stop stop, std::span<shared::GridHit> hits) {
-    ClosestResults results{dag.depth, hits.data()};
+void TraceClosest(const WideTrace& trace, std::span<const shared::GridRay> rays,
+                  std::span<shared::GridHit> hits) {
+    ClosestResults results{trace.dag.depth, hits.data()};
     Misses misses{hits};
-    BatchReader reader(dag, rays, stop, misses);
-    if (stop.cone > 0.0f)
-        walk_all<true>(dag, far_nodes, reader, stop, results);
+    BatchReader reader(trace.dag, rays, trace.stop, misses);
+    if (trace.stop.cone > 0.0f)
+        walk_all<true>(trace, reader, results);
     else
-        walk_all<false>(dag, far_nodes, reader, stop, results);
+        walk_all<false>(trace, reader, results);
 }
 
 template <bool kCone, class Filter>
-HWY_NOINLINE void trace_any_without(Filter& filter, shared::DagView dag, bool far_nodes,
-                                    std::span<const shared::GridRay> rays, shared::Stop stop,
-                                    std::uint8_t* occluded) {
+HWY_NOINLINE void trace_any_without(Filter& filter, const WideTrace& trace,
+                                    std::span<const shared::GridRay> rays, std::uint8_t* occluded) {
     AnyResults results{occluded};
-    BatchReader reader(dag, rays, stop, filter);
-    walk_all<kCone>(dag, far_nodes, reader, stop, results);
+    BatchReader reader(trace.dag, rays, trace.stop, filter);
+    walk_all<kCone>(trace, reader, results);
 }
 
 /// Leaves those out that partitions show to be occluded.
@@ -141,26 +153,25 @@ struct Unproven {
 };
 
 template <bool kCone>
-void trace_any_of(shared::DagView dag, bool far_nodes, Partitions* partitions,
-                  std::span<const shared::GridRay> rays, shared::Stop stop,
-                  std::uint8_t* occluded) {
+void trace_any_of(const WideTrace& trace, Partitions* partitions,
+                  std::span<const shared::GridRay> rays, std::uint8_t* occluded) {
     if (partitions != nullptr &&
         Prover::run_alike(rays.first(std::min(kRaysPerBatch, rays.size())))) {
-        Prover prover(dag, *partitions);
+        Prover prover(trace.dag, *partitions);
         Unproven unproven{prover, occluded};
-        trace_any_without<kCone>(unproven, dag, far_nodes, rays, stop, occluded);
+        trace_any_without<kCone>(unproven, trace, rays, occluded);
     } else {
         AllRays all;
-        trace_any_without<kCone>(all, dag, far_nodes, rays, stop, occluded);
+        trace_any_without<kCone>(all, trace, rays, occluded);
     }
 }
 
-void TraceAny(shared::DagView dag, bool far_nodes, Partitions* partitions,
-              std::span<const shared::GridRay> rays, shared::Stop stop, std::uint8_t* occluded) {
-    if (stop.cone > 0.0f)
-        trace_any_of<true>(dag, far_nodes, partitions, rays, stop, occluded);
+void TraceAny(const WideTrace& trace, Partitions* partitions, std::span<const shared::GridRay> rays,
+              std::uint8_t* occluded) {
+    if (trace.stop.cone > 0.0f)
+        trace_any_of<true>(trace, partitions, rays, occluded);
     else
-        trace_any_of<false>(dag, far_nodes, partitions, rays, stop, occluded);
+        trace_any_of<false>(trace, partitions, rays, occluded);
 }
 
 float BeamStart(shared::DagView dag, const shared::Bundle& beam, shared::Stop stop) {
@@ -226,7 +237,7 @@ void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, s
         return;
     }
     HWY_DYNAMIC_DISPATCH(TraceClosest)
-    (view, far_nodes(dag, walk, kNearToClosest), rays, stop, hits.first(rays.size()));
+    ({view, stop, far_nodes(dag, walk, kNearToClosest)}, rays, hits.first(rays.size()));
 }
 
 void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
@@ -242,7 +253,7 @@ void trace_any_wide(const Dag& dag, std::span<const shared::GridRay> rays, share
     if (dag.empty() || rays.empty()) return;
     if (partitions != nullptr && partitions->height() == 0) partitions = nullptr;
     HWY_DYNAMIC_DISPATCH(TraceAny)
-    (view, far_nodes(dag, walk, kNearToAny), partitions, rays, stop, occluded.data());
+    ({view, stop, far_nodes(dag, walk, kNearToAny)}, partitions, rays, occluded.data());
 }
 
 }  // namespace octavo
