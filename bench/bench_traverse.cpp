@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/trace/grid_ray.h"
 #include "support/children_list.h"
 #include "support/small_dags.h"
 
@@ -30,16 +31,6 @@ dvec3 random_direction() {
     do d = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
     while (dot(d, d) > 1 || dot(d, d) < 1e-3);
     return normalize(d);
-}
-
-s::GridRay grid_ray(const dvec3& origin, const dvec3& dir, double t_max = 1e9) {
-    s::GridRay ray;
-    ray.cell = ivec3(floor(origin));
-    ray.frac = vec3(origin - floor(origin));
-    ray.dir = vec3(dir);
-    ray.t_min = 0.0f;
-    ray.t_max = static_cast<float>(t_max);
-    return ray;
 }
 
 struct Figures {
@@ -99,7 +90,7 @@ void measure(const char* scene, const Dag& dag, const dvec3& eye01, const dvec3&
         for (int x = 0; x < 480; ++x) {
             const dvec3 dir =
                 normalize(forward + right * ((x - 239.5) / 400) + up * ((135.5 - y) / 400));
-            primary.push_back(grid_ray(eye, dir));
+            primary.push_back(grid_ray(eye, vec3(dir), 1e9f));
             const s::GridHit hit = trace_closest(v, primary.back(), {0, 0, 0});
             if (hit.face >= s::kFaceInside) continue;
             shadow.push_back(leave_hit(primary.back(), hit, sun));

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "octavo/render/camera.h"
+#include "octavo/render/effects.h"
 #include "octavo/render/pixel_rays.h"
 #include "octavo/trace/grid_ray.h"
-#include "octavo/render/effects.h"
 
 namespace octavo::cli {
 namespace {
@@ -20,10 +19,9 @@ constexpr double kLift = 2.5;
 void add(RaySet& set, const Grid& grid, const dvec3& origin, const vec3& direction, float t_max) {
     const vec3 start(origin);  // both trace from the same point
     const dvec3 grid_origin = grid.to_grid(dvec3(start));
-    const dvec3 cell = glm::floor(grid_origin);
     set.triangle_rays.push_back({start, t_max, direction});
-    set.voxel_rays.push_back({ivec3(cell), vec3(grid_origin - cell), direction, 0.0f,
-                              static_cast<float>(t_max / grid.voxel_size)});
+    set.voxel_rays.push_back(
+        grid_ray(grid_origin, direction, static_cast<float>(t_max / grid.voxel_size)));
 }
 
 dvec3 lifted(const SurfacePoint& point, const Grid& grid) {

@@ -4,15 +4,14 @@
 #include <cstdint>
 #include <random>
 
-#include "octavo/trace/dag_view.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/trace/trace.h"
 
 namespace octavo::test {
 
 /// The ray in 32 bits, as the shared text takes it.
 inline shared::GridRay grid_ray(const Ray& ray) {
-    const dvec3 cell = glm::floor(ray.origin);
-    return {ivec3(cell), vec3(ray.origin - cell), vec3(ray.direction), 0.0f, 1e9f};
+    return octavo::grid_ray(ray.origin, vec3(ray.direction), 1e9f);
 }
 
 /// Random rays for a grid of this many voxels: from inside, from outside, along axes, along edges

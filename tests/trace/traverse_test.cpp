@@ -17,7 +17,7 @@ constexpr s::Stop kToVoxels{0, 0.0f, 0.0f};
 
 /// The ray that grid_ray() holds, as exactly as it holds it.
 test::ExactRay exact_ray(const s::GridRay& ray) {
-    return {dvec3(ray.cell) + dvec3(ray.frac), dvec3(ray.dir), ray.t_min, ray.t_max};
+    return {origin_of(ray), dvec3(ray.dir), ray.t_min, ray.t_max};
 }
 
 /// How far a float's rounding may move the ray at the other end of the grid, in voxels.

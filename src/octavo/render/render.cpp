@@ -17,6 +17,7 @@
 #include "octavo/render/settings.h"
 #include "octavo/render/tiles.h"
 #include "octavo/render/visibility.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/trace/partitions.h"
 #include "octavo/trace/ray_queue.h"
 #include "octavo/trace/wide.h"
@@ -129,8 +130,7 @@ private:
     void ask_for_surface(Tile& tile) const {
         std::vector<Ray> rays;
         for (const shared::GridRay& ray : tile.rays)
-            rays.push_back({grid_.to_world(dvec3(ray.cell) + dvec3(ray.frac)),
-                            dvec3(ray.dir) * grid_.voxel_size});
+            rays.push_back({grid_.to_world(origin_of(ray)), dvec3(ray.dir) * grid_.voxel_size});
         tile.surface.assign(rays.size(), {});
         options_.primary(rays, tile.surface);
         for (std::size_t k = 0; k < rays.size(); ++k) {
@@ -182,7 +182,7 @@ private:
     [[nodiscard]] shared::SurfacePoint lifted_point(const shared::GridRay& ray,
                                                     const SurfaceHit& found,
                                                     std::uint32_t seed) const {
-        const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) + found.t * dvec3(ray.dir);
+        const dvec3 at = origin_of(ray) + found.t * dvec3(ray.dir);
         vec3 normal = glm::normalize(found.normal);
         if (glm::dot(normal, ray.dir) > 0.0f) normal = -normal;
         const auto start = lifted_start(grid_, grid_.to_world(at), normal, options_.bias);
@@ -213,8 +213,7 @@ private:
         const ivec2 some =
             soft ? share(options_.shadow_samples, options_.samples, i) : ivec2(i, i + 1);
         w.lamp_rays = some.y - some.x;
-        for (const std::uint32_t n :
-             lamp_grid_.near(grid_.to_world(dvec3(start.cell) + dvec3(start.frac)))) {
+        for (const std::uint32_t n : lamp_grid_.near(grid_.to_world(origin_of(start)))) {
             RayQueue& queue = queue_of(tile, n);
             tile.asked.push_back({n, tile.queue_of_lamp[n], queue.begin_group()});
             const SeenLamp lamp(lamps_[n], start, face, normal, !soft);
@@ -242,8 +241,8 @@ private:
         const Attributes& looks = *options_.attributes;
         const shared::GridRay& ray = tile.rays[k];
         if (options_.primary) {
-            const dvec3 at = dvec3(ray.cell) + dvec3(ray.frac) +
-                             static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
+            const dvec3 at =
+                origin_of(ray) + static_cast<double>(tile.surface[k].t) * dvec3(ray.dir);
             if (const auto cell = looks.cell_at(at)) {
                 if (looks.has_color()) w.albedo = linear_from_srgb8(looks.color(*cell, -ray.dir));
                 w.emission = looks.emission(*cell, -ray.dir);

@@ -11,6 +11,7 @@
 #include "octavo/light/lamp.h"
 #include "octavo/render/effects.h"
 #include "octavo/render/settings.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/trace/partitions.h"
 #include "octavo/trace/ray_queue.h"
 
@@ -59,8 +60,7 @@ std::optional<shared::GridRay> lifted_start(const Grid& grid, const dvec3& posit
     const dvec3 origin = grid.to_grid(position) + lift * dvec3(normal) / length;
     for (int axis = 0; axis < 3; ++axis)
         if (!(std::abs(origin[axis]) < kFarthest)) return std::nullopt;
-    const dvec3 cell = glm::floor(origin);
-    return shared::GridRay{ivec3(cell), vec3(origin - cell), normal, 0.0f, 1e30f};
+    return grid_ray(origin, normal, 1e30f);
 }
 
 void visibility(const Dag& dag, const Grid& grid, std::span<const dvec3> positions,

@@ -10,6 +10,7 @@
 #include "octavo/core/grid.h"
 #include "octavo/dag/dag.h"
 #include "octavo/trace/dag_view.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/trace/partitions.h"
 #include "octavo/trace/wide.h"
 
@@ -103,15 +104,5 @@ private:
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_;
 };
-
-/// A point and a direction as a ray of a grid. @param point  grid space, below 2^29
-[[nodiscard]] inline shared::GridRay grid_ray(const dvec3& point, const vec3& direction,
-                                              float t_max) {
-    const dvec3 cell = glm::floor(point);
-    return {ivec3(cell), vec3(point - cell), direction, 0.0f, t_max};
-}
-[[nodiscard]] inline dvec3 origin_of(const shared::GridRay& ray) {
-    return dvec3(ray.cell) + dvec3(ray.frac);
-}
 
 }  // namespace octavo

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "octavo/trace/dag_view.h"
+#include "octavo/trace/grid_ray.h"
 #include "octavo/trace/wide.h"
 
 namespace octavo {
@@ -71,12 +72,9 @@ PreparedRay prepare(const Dag& dag, const Ray& ray, const TraceOptions& options)
     // outside.
     p.t_moved = std::abs(low) > 2.0 ? low - 2.0 : 0.0;
     const dvec3 origin = ray.origin + p.t_moved * p.direction;
-    const dvec3 cell = glm::floor(origin);
-    p.ray.cell = ivec3(cell);
-    p.ray.frac = vec3(origin - cell);
-    p.ray.dir = vec3(p.direction);
+    p.ray =
+        grid_ray(origin, vec3(p.direction), static_cast<float>(std::min(t_max - p.t_moved, 1e30)));
     p.ray.t_min = static_cast<float>(t_min - p.t_moved);
-    p.ray.t_max = static_cast<float>(std::min(t_max - p.t_moved, 1e30));
     p.stop.height = std::clamp(dag.depth() - options.level, 0, dag.depth());
     p.stop.cone = static_cast<float>(options.cone * glm::length(p.direction));
     p.stop.time_before = static_cast<float>(p.t_moved);
