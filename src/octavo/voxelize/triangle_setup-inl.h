@@ -157,6 +157,7 @@ protected:
 
 private:
     void set_plane();
+    void set_plane_steps(std::int64_t sum, std::int64_t positive);
     void set_edges(const std::array<FixedPoint, 3>& corners, const int sign[3]);
     void set_thin_offsets();
 };
@@ -220,7 +221,13 @@ HWY_INLINE void TriangleSetup::set_plane() {
         };
         hn::Store(hn::Add(hn::Add(step(0), step(1)), step(2)), kInt64, exact_plane_steps_ + i);
     }
+    set_plane_steps(sum, positive);
+}
 
+/// The plane's steps in 16 bits: which low bits are left out, and what that may cost.
+/// @param sum       |n|
+/// @param positive  of it, what belongs to steps up
+HWY_INLINE void TriangleSetup::set_plane_steps(std::int64_t sum, std::int64_t positive) {
     // 13 bits for |n|, so that 3 |n| of steps, and as much for values beyond which the answer is
     // no, fit 16.
     constexpr int kBits = 13;
