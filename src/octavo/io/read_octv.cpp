@@ -101,7 +101,8 @@ Model read_model(Reading& reading) {
     OctvReadTimes& times = reading.times;
     Model model;
 
-    SectionSource source(path, trusted || reading.options.map);
+    using Access = SectionSource::Access;
+    SectionSource source(path, trusted || reading.options.map ? Access::map : Access::copy);
     const std::vector<Section> sections = read_directory(source, reading);
     if (!reading.usable) return model;
     auto metadata = read_metadata(source, find_section(sections, kMetadataSection, path), reading);
@@ -149,7 +150,7 @@ Model read_octv(const std::filesystem::path& path, const OctvReadOptions& option
 
 OctvSummary read_octv_summary(const std::filesystem::path& path) {
     Reading reading{.path = path};
-    SectionSource source(path, false);
+    SectionSource source(path, SectionSource::Access::copy);
     const std::vector<Section> sections = read_directory(source, reading);
     OctvSummary summary;
     summary.metadata =

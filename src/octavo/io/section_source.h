@@ -17,8 +17,11 @@ namespace octavo::octv {
 /// The file's bytes, from where they may change or in a copy where they cannot.
 class SectionSource {
 public:
-    SectionSource(const std::filesystem::path& path, bool map) {
-        if (map)
+    enum class Access { copy, map };
+
+    /// @throws Error  as map_file() or FileCopy
+    SectionSource(const std::filesystem::path& path, Access access) {
+        if (access == Access::map)
             mapped_ = map_file(path);
         else
             copy_.emplace(path);
