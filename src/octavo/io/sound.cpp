@@ -43,6 +43,19 @@ struct PairTable {
     [[nodiscard]] Entry* entries() const {
         return reinterpret_cast<Entry*>(memory->writable_bytes().data());
     }
+    /// That of one pair, whatever the entries' width.
+    [[nodiscard]] std::uint64_t entry(std::uint64_t pair) const {
+        switch (entry_bytes) {
+            case 1:
+                return entries<std::uint8_t>()[pair];
+            case 2:
+                return entries<std::uint16_t>()[pair];
+            case 4:
+                return entries<std::uint32_t>()[pair];
+            default:
+                return entries<std::uint64_t>()[pair];
+        }
+    }
 };
 
 struct Group {
@@ -150,7 +163,7 @@ public:
             if (!nodes || (l == 0 && *nodes != 1)) return std::nullopt;
             if (!level_nodes.empty() && level_nodes[l] != *nodes) return std::nullopt;
         }
-        return first_entry() >> 1;
+        return below_.entry(0) >> 1;
     }
 
 private:
@@ -167,19 +180,6 @@ private:
         return {allocate_mapping((level.size / 2 + 1) * static_cast<std::uint64_t>(bytes) +
                                  sizeof(std::uint32_t)),
                 bytes};
-    }
-
-    [[nodiscard]] std::uint64_t first_entry() const {
-        switch (below_.entry_bytes) {
-            case 1:
-                return below_.entries<std::uint8_t>()[0];
-            case 2:
-                return below_.entries<std::uint16_t>()[0];
-            case 4:
-                return below_.entries<std::uint32_t>()[0];
-            default:
-                return below_.entries<std::uint64_t>()[0];
-        }
     }
 
     bool read_leaves() {
@@ -248,7 +248,7 @@ private:
             for (std::uint64_t i = at + 1; i < at + size; ++i) {
                 const std::uint64_t target = words[i] - next.begin;
                 if (target >= next.size) return std::nullopt;
-                const std::uint64_t entry = entry_of(target / 2);
+                const std::uint64_t entry = below_.entry(target / 2);
                 if (entry == 0 || (entry ^ target) & 1u) return std::nullopt;
                 voxels += entry >> 1;
             }
@@ -256,18 +256,6 @@ private:
             at += size;
         }
         return nodes;
-    }
-    [[nodiscard]] std::uint64_t entry_of(std::uint64_t pair) const {
-        switch (below_.entry_bytes) {
-            case 1:
-                return below_.entries<std::uint8_t>()[pair];
-            case 2:
-                return below_.entries<std::uint16_t>()[pair];
-            case 4:
-                return below_.entries<std::uint32_t>()[pair];
-            default:
-                return below_.entries<std::uint64_t>()[pair];
-        }
     }
 
     /// Reads the nodes that begin in [begin, end) of a level, 64 words at a time. Where a node
