@@ -89,7 +89,8 @@ public:
             const dmat4 world = parent * matrix_of(node->mTransformation);
             for (unsigned i = 0; i < node->mNumMeshes; ++i)
                 add_mesh(*source_.mMeshes[node->mMeshes[i]], world);
-            add_lights_and_cameras(node->mName, world);
+            add_lights(node->mName, world);
+            add_cameras(node->mName, world);
             for (unsigned i = node->mNumChildren; i-- > 0;)
                 open.push_back({node->mChildren[i], world});
         }
@@ -185,7 +186,8 @@ private:
         scene_.triangle_materials.resize(scene_.triangles.size(), mesh.mMaterialIndex);
     }
 
-    void add_lights_and_cameras(const aiString& name, const dmat4& world) {
+    /// Those of the node of this name.
+    void add_lights(const aiString& name, const dmat4& world) {
         for (unsigned i = 0; i < source_.mNumLights; ++i) {
             const aiLight& source = *source_.mLights[i];
             if (source.mName != name) continue;
@@ -212,6 +214,9 @@ private:
             light.outer_angle = 0.5 * source.mAngleOuterCone;
             scene_.lights.push_back(std::move(light));
         }
+    }
+
+    void add_cameras(const aiString& name, const dmat4& world) {
         for (unsigned i = 0; i < source_.mNumCameras; ++i) {
             const aiCamera& source = *source_.mCameras[i];
             if (source.mName != name) continue;

@@ -127,19 +127,7 @@ void write_materials(const Scene& scene, const std::vector<std::string>& names,
     out.commit();
 }
 
-}  // namespace
-
-void formats::write_obj(const Scene& scene, const std::filesystem::path& file) {
-    const bool has_materials = !scene.triangle_materials.empty();
-    const bool has_texture = !scene.texture_coordinates.empty();
-    const std::vector<std::string> names = material_names(scene);
-    OutputFile out(file);
-    if (has_materials) {
-        std::filesystem::path library = file;
-        library.replace_extension(".mtl");
-        write_materials(scene, names, library);
-        out.write("mtllib " + library.filename().string() + "\n");
-    }
+void write_vertices(OutputFile& out, const Scene& scene) {
     for (std::size_t i = 0; i < scene.positions.size(); ++i) {
         out.write("v");
         for (int axis = 0; axis < 3; ++axis) {
@@ -161,6 +149,12 @@ void formats::write_obj(const Scene& scene, const std::filesystem::path& file) {
         out.write_number(1.0f - coordinate.y);  // OBJ counts from the picture's lower edge
         out.write("\n");
     }
+}
+
+/// @param names  of the materials, and one for triangles without
+void write_faces(OutputFile& out, const Scene& scene, const std::vector<std::string>& names) {
+    const bool has_materials = !scene.triangle_materials.empty();
+    const bool has_texture = !scene.texture_coordinates.empty();
     std::uint32_t current = Scene::kNoMaterial;
     for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
         if (has_materials && (i == 0 || scene.triangle_materials[i] != current)) {
@@ -180,6 +174,21 @@ void formats::write_obj(const Scene& scene, const std::filesystem::path& file) {
         }
         out.write("\n");
     }
+}
+
+}  // namespace
+
+void formats::write_obj(const Scene& scene, const std::filesystem::path& file) {
+    const std::vector<std::string> names = material_names(scene);
+    OutputFile out(file);
+    if (!scene.triangle_materials.empty()) {
+        std::filesystem::path library = file;
+        library.replace_extension(".mtl");
+        write_materials(scene, names, library);
+        out.write("mtllib " + library.filename().string() + "\n");
+    }
+    write_vertices(out, scene);
+    write_faces(out, scene, names);
     out.commit();
 }
 
