@@ -25,8 +25,8 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Writes at a byte offset; parts never written are zero. @throws Error io, as when the disk is
-    /// full
+    /// Writes at a byte offset; parts never written are zero.
+    /// @throws Error io  as when the disk is full
     void write(std::uint64_t offset, std::span<const std::byte> bytes);
 
     /// Takes the room for a file of this many bytes beforehand, where the file system can.

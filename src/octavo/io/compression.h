@@ -24,8 +24,8 @@ void zstd_compress(std::span<const std::byte> raw,
 /// The size that the frame's header claims, if this is one zstd frame and no more.
 [[nodiscard]] std::optional<std::uint64_t> zstd_content_size(std::span<const std::byte> frame);
 
-/// Fills `raw` exactly. @return what is wrong, where the frame's content is damaged or of another
-/// size
+/// Fills `raw` exactly.
+/// @return  what is wrong, where the frame's content is damaged or of another size; else nothing
 [[nodiscard]] std::optional<std::string> zstd_decompress(std::span<const std::byte> frame,
                                                          std::span<std::byte> raw);
 

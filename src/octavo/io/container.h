@@ -89,8 +89,8 @@ inline constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{16} << 20;
 ///
 /// @param file  the whole file; its content is not trusted
 /// @param path  for messages only
-/// @throws Error  bad_input; unsupported where the version is newer or a required section is
-/// unknown
+/// @throws Error  bad_input; unsupported where the version is newer or a required section is not
+///                known
 [[nodiscard]] std::vector<Section> decode_directory(std::span<const std::byte> file,
                                                     const std::filesystem::path& path);
 

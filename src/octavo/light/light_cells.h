@@ -49,9 +49,9 @@ struct LightReport {
 ///
 /// Direct light comes by shadow rays in the geometry itself. Rays over the hemisphere bring the
 /// light of the sky and remember which cells they met, so that a bounce reads the light of these
-/// without a ray. Each side of a cell sends its rays from four places
-/// of its surface, found by rays from the face of the cell inwards: so they begin on the voxels,
-/// and neither hit their own cell nor skip a wall that is thinner than it.
+/// without a ray. Each side of a cell sends its rays from four places of its surface, found by rays
+/// from the face of the cell inwards: so they begin on the voxels, and neither hit their own cell
+/// nor skip a wall that is thinner than it.
 ///
 /// The result is the same for any number of threads, and the same again each time.
 class CellLighter {

@@ -28,8 +28,7 @@ inline constexpr std::uint64_t kMaxPictureBytes = std::uint64_t{1} << 31;
 /// Decodes a PNG, JPEG or TGA picture; which one is told from the bytes. 16-bit channels are
 /// rounded to 8 bits, grey and palettes are spread out.
 ///
-/// @throws Error  bad_input where the bytes are damaged; unsupported where they are of another
-/// kind,
+/// @throws Error  bad_input where the bytes are damaged; unsupported where they are of another kind
 ///                or use what is rare (JPEG in CMYK); limit past 16384 pixels a side or 2^27 in all
 [[nodiscard]] Bitmap decode_bitmap(std::span<const std::byte> encoded);
 

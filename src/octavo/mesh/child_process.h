@@ -17,7 +17,7 @@ namespace octavo {
 /// @param max_bytes    of memory that it may take beyond what this process has
 /// @param max_seconds  after which it is killed
 /// @throws Error       what `read` throws; bad_input where the process dies; limit where it passes
-/// one
+///                     one of these
 [[nodiscard]] Scene read_in_child(const std::filesystem::path& file,
                                   const std::function<Scene()>& read, std::uint64_t max_bytes,
                                   double max_seconds);

@@ -10,8 +10,8 @@ namespace octavo {
 /// Resolves what a scene file in `folder` calls another file by. Symbolic links are followed first,
 /// so that the answer is where the bytes are.
 ///
-/// @return  an absolute path in the folder or below it, which may not exist; none where it is
-/// outside
+/// @return  an absolute path in the folder or below it, of what need not exist; none where it leads
+///          outside
 [[nodiscard]] std::optional<std::filesystem::path> confined_path(
     const std::filesystem::path& folder, std::string_view reference);
 

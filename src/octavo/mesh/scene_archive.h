@@ -8,7 +8,10 @@
 
 namespace octavo {
 
-/// A scene as bytes for another process of the same program: no format to keep.
+/// Writes a scene as bytes for another process of the same program: no format to keep.
+/// @param descriptor  of a file open for writing
+/// @param scene       stays as it is; not const, as one text visits its members to write and to read
+/// @throws Error io
 void write_scene(int descriptor, Scene& scene);
 
 /// @throws Error bad_input  where the bytes are no scene: the writer may have been damaged

@@ -30,8 +30,8 @@ inline constexpr std::size_t kRaysPerBatch = 64;
 enum class WideWalk { by_size, near_nodes, far_nodes, one_by_one };
 
 /// @param hits  as long as `rays`
-/// Cost  with AVX-512 a third to a sixth of as many calls of shared::trace_closest();
-/// docs/results.md
+/// Cost         with AVX-512 a third to a sixth of as many calls of shared::trace_closest(), see
+///              docs/results.md
 void trace_closest_wide(const Dag& dag, std::span<const shared::GridRay> rays, shared::Stop stop,
                         std::span<shared::GridHit> hits,
                         WideWalk walk = WideWalk::by_size) noexcept;

@@ -28,8 +28,8 @@ namespace octavo {
 class TriangleSource final : public VoxelSource {
 public:
     /// @param scene       outlives this
-    /// @param tile_depth  log2 of a tile's side: 2 to grid.depth, at least grid.depth - 10, at most
-    /// 10
+    /// @param tile_depth  log2 of a tile's side: 2 to grid.depth, at least grid.depth - 10, and at
+    ///                    most 10
     /// @throws Error      bad_argument where tile_depth is out of range; limit where the scene has
     ///                    2^32 triangles or more
     TriangleSource(const Scene& scene, const Grid& grid, VoxelRule rule, int tile_depth)
