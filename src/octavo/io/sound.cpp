@@ -12,6 +12,7 @@
 
 #include "octavo/dag/node.h"
 #include "octavo/io/mapped_file.h"
+#include "octavo/io/node_starts.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octavo/io/sound.cpp"
@@ -25,12 +26,6 @@ namespace octavo {
 
 /// Words that are classified at once: as many as there are bits in a word of starts.
 inline constexpr std::uint64_t kGroup = 64;
-
-/// Words of one level, begin is counted from the first of all.
-struct LevelWords {
-    std::uint64_t begin = 0;
-    std::uint64_t size = 0;
-};
 
 /// Every node takes two words or more, so at most one begins in each pair of words of a level. For
 /// each pair: 0 where none does; else the voxels below the node, times two, and 1 where it begins
@@ -73,7 +68,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Classifies 64 words of a level: a mask, as it is below 256 and no pointer is, or a pointer to a
 /// node of the next level. @return whether each of them is one of the two
 template <int kEntryBytes>
-bool look_up(const std::uint32_t* HWY_RESTRICT words, const LevelWords& next,
+bool look_up(const std::uint32_t* HWY_RESTRICT words, const LevelRange& next,
              const std::uint8_t* HWY_RESTRICT table, Group& group) {
     const hn::CappedTag<std::uint32_t, 16> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -81,7 +76,7 @@ bool look_up(const std::uint32_t* HWY_RESTRICT words, const LevelWords& next,
     const auto zero = hn::Zero(d);
     const auto masks = hn::Set(d, kChildMaskBits);
     const auto next_begin = hn::Set(d, static_cast<std::uint32_t>(next.begin));
-    const auto next_size = hn::Set(d, static_cast<std::uint32_t>(next.size));
+    const auto next_size = hn::Set(d, static_cast<std::uint32_t>(next.size()));
     const auto entry_bits =
         hn::Set(d, static_cast<std::uint32_t>((std::uint64_t{1} << 8 * kEntryBytes) - 1));
     auto odd = zero;
@@ -119,7 +114,7 @@ bool look_up(const std::uint32_t* HWY_RESTRICT words, const LevelWords& next,
     return hn::AllTrue(d, hn::Eq(odd, zero));
 }
 
-bool LookUp(int entry_bytes, const std::uint32_t* words, const LevelWords& next,
+bool LookUp(int entry_bytes, const std::uint32_t* words, const LevelRange& next,
             const std::uint8_t* table, Group& group) {
     if (entry_bytes == 1) return look_up<1>(words, next, table, group);
     if (entry_bytes == 2) return look_up<2>(words, next, table, group);
@@ -154,9 +149,9 @@ public:
 
     std::optional<std::uint64_t> run(std::span<const std::uint64_t> level_nodes) {
         if (!read_leaves()) return std::nullopt;
-        if (leaf_level_ == 0 && level(0).size != kLeafWords) return std::nullopt;
+        if (leaf_level_ == 0 && level(0).size() != kLeafWords) return std::nullopt;
         if (!level_nodes.empty() &&
-            level_nodes[leaf_level_] != level(leaf_level_).size / kLeafWords)
+            level_nodes[leaf_level_] != level(leaf_level_).size() / kLeafWords)
             return std::nullopt;
         for (std::size_t l = leaf_level_; l-- > 0;) {
             const auto nodes = read_level(l);
@@ -167,28 +162,26 @@ public:
     }
 
 private:
-    [[nodiscard]] LevelWords level(std::size_t l) const {
-        return {begins_[l], begins_[l + 1] - begins_[l]};
-    }
-    [[nodiscard]] const std::uint32_t* words_of(const LevelWords& level) const {
+    [[nodiscard]] LevelRange level(std::size_t l) const { return {begins_[l], begins_[l + 1]}; }
+    [[nodiscard]] const std::uint32_t* words_of(const LevelRange& level) const {
         return words_.data() + level.begin;
     }
 
-    static PairTable make_table(const LevelWords& level, std::size_t height) {
+    static PairTable make_table(const LevelRange& level, std::size_t height) {
         const int bytes = entry_bytes_for(height);
         // A gather reads four bytes wherever it reads.
-        return {allocate_mapping((level.size / 2 + 1) * static_cast<std::uint64_t>(bytes) +
+        return {allocate_mapping((level.size() / 2 + 1) * static_cast<std::uint64_t>(bytes) +
                                  sizeof(std::uint32_t)),
                 bytes};
     }
 
     bool read_leaves() {
-        const LevelWords leaves = level(leaf_level_);
-        if (leaves.size % kLeafWords != 0) return false;
+        const LevelRange leaves = level(leaf_level_);
+        if (leaves.size() % kLeafWords != 0) return false;
         below_ = make_table(leaves, 2);
         auto* const entries = below_.entries<std::uint8_t>();
         const std::uint32_t* const words = words_of(leaves);
-        return all_parts(leaves.size / kLeafWords, [&](std::uint64_t begin, std::uint64_t end) {
+        return all_parts(leaves.size() / kLeafWords, [&](std::uint64_t begin, std::uint64_t end) {
             bool empty = false;
             for (std::uint64_t i = begin; i < end; ++i) {
                 const int voxels =
@@ -221,12 +214,12 @@ private:
 
     template <typename Entry>
     std::optional<std::uint64_t> read_level(std::size_t l, Entry* entries) {
-        const LevelWords next = level(l + 1);
+        const LevelRange next = level(l + 1);
         // The first levels are of some words; and a gather's offsets have 31 bits.
-        if (next.begin < kAboveMasks || below_.entry_bytes == 8 || next.size >> 31 != 0)
+        if (next.begin < kAboveMasks || below_.entry_bytes == 8 || next.size() >> 31 != 0)
             return walk(l, entries);
         std::atomic<std::uint64_t> nodes{0};
-        if (!all_parts(level(l).size, [&](std::uint64_t begin, std::uint64_t end) {
+        if (!all_parts(level(l).size(), [&](std::uint64_t begin, std::uint64_t end) {
                 const auto found = scan(l, begin, end, entries);
                 nodes += found.value_or(0);
                 return found.has_value();
@@ -238,16 +231,16 @@ private:
     /// From node to node, for any words.
     template <typename Entry>
     std::optional<std::uint64_t> walk(std::size_t l, Entry* entries) const {
-        const LevelWords here = level(l), next = level(l + 1);
+        const LevelRange here = level(l), next = level(l + 1);
         const std::uint32_t* const words = words_of(here);
         std::uint64_t nodes = 0;
-        for (std::uint64_t at = 0; at < here.size; ++nodes) {
+        for (std::uint64_t at = 0; at < here.size(); ++nodes) {
             const auto size = static_cast<std::uint64_t>(node_words(words[at]));
-            if (words[at] - 1 >= kChildMaskBits || size > here.size - at) return std::nullopt;
+            if (words[at] - 1 >= kChildMaskBits || size > here.size() - at) return std::nullopt;
             std::uint64_t voxels = 0;
             for (std::uint64_t i = at + 1; i < at + size; ++i) {
                 const std::uint64_t target = words[i] - next.begin;
-                if (target >= next.size) return std::nullopt;
+                if (target >= next.size()) return std::nullopt;
                 const std::uint64_t entry = below_.entry(target / 2);
                 if (entry == 0 || (entry ^ target) & 1u) return std::nullopt;
                 voxels += entry >> 1;
@@ -264,7 +257,7 @@ private:
     template <typename Entry>
     std::optional<std::uint64_t> scan(std::size_t l, std::uint64_t begin, std::uint64_t end,
                                       Entry* entries) const {
-        const LevelWords here = level(l), next = level(l + 1);
+        const LevelRange here = level(l), next = level(l + 1);
         const std::uint32_t* const words = words_of(here);
         const auto* const table =
             reinterpret_cast<const std::uint8_t*>(below_.memory->bytes().data());
@@ -275,7 +268,7 @@ private:
         while (node < end && words[node] >= kAboveMasks) ++node;
         if (node - begin >= kMaxNodeWords || (begin == 0 && node != 0)) return std::nullopt;
         if (node == end)  // the level ends with the words of a node that began before
-            return end == here.size ? std::optional<std::uint64_t>(0) : std::nullopt;
+            return end == here.size() ? std::optional<std::uint64_t>(0) : std::nullopt;
 
         Group group;
         std::array<std::uint32_t, kGroup> last;
@@ -289,8 +282,8 @@ private:
             entries[node / 2] = static_cast<Entry>((sum - before_node) << 1 | (node & 1u));
             ++nodes;
         };
-        for (std::uint64_t at = node; at < here.size && sound; at += kGroup) {
-            const std::uint64_t count = std::min(kGroup, here.size - at);
+        for (std::uint64_t at = node; at < here.size() && sound; at += kGroup) {
+            const std::uint64_t count = std::min(kGroup, here.size() - at);
             const std::uint32_t* some = words + at;
             if (count < kGroup) {
                 last.fill(1);
@@ -311,7 +304,7 @@ private:
                 if (node >= end) return sound ? std::optional(nodes) : std::nullopt;
             }
         }
-        end_node(here.size, sums[kGroup]);
+        end_node(here.size(), sums[kGroup]);
         return sound ? std::optional(nodes) : std::nullopt;
     }
 
