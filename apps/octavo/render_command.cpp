@@ -11,7 +11,6 @@
 #include "help.h"
 #include "lit_render.h"
 #include "octavo/backend/device.h"
-#include "octavo/core/file_name.h"
 #include "octavo/io/octv.h"
 #include "octavo/render/image.h"
 #include "output.h"
