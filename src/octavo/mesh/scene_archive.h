@@ -10,7 +10,7 @@ namespace octavo {
 
 /// Writes a scene as bytes for another process of the same program: no format to keep.
 /// @param descriptor  of a file open for writing
-/// @param scene       stays as it is; not const, as one text visits its members to write and to read
+/// @param scene       stays as it is; not const, as one text visits it to write and to read
 /// @throws Error io
 void write_scene(int descriptor, Scene& scene);
 
