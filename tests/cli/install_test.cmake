@@ -1,5 +1,5 @@
 # Installs the build to an empty folder, takes the program and the CMake lines out of the README, and
-# builds and runs them there as a stranger would.
+# builds and runs them there as a stranger would, who compiles with all warnings.
 function(run)
     execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
     if(NOT result EQUAL 0)
@@ -38,7 +38,7 @@ if(SANITIZE)
     set(flags -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=${SANITIZE})
 endif()
 run(${CMAKE_COMMAND} -S ${WORK_FOLDER}/source -B ${WORK_FOLDER}/build -G ${GENERATOR}
-    -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_PREFIX_PATH=${WORK_FOLDER}/prefix ${flags})
+    -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror" -DCMAKE_PREFIX_PATH=${WORK_FOLDER}/prefix ${flags})
 run(${CMAKE_COMMAND} --build ${WORK_FOLDER}/build)
 run(${CMAKE_COMMAND} -E chdir ${WORK_FOLDER} ${WORK_FOLDER}/build/your_program)
 run(${WORK_FOLDER}/prefix/bin/octavo info ${WORK_FOLDER}/courtyard.octv)

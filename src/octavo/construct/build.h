@@ -17,10 +17,11 @@
 
 namespace octavo {
 
-/// How to turn a scene into a DAG. Only `depth`, `grid` and `rule` change the result.
+/// How to turn a scene into a DAG. Only `depth`, `grid` and `rule` change the result. Every member
+/// has a default, so that `{.depth = 8}` compiles without a warning.
 struct BuildOptions {
-    int depth = 12;            // resolution 2^depth; not used where `grid` is given
-    std::optional<Grid> grid;  // none: the smallest cube around the scene
+    int depth = 12;                 // resolution 2^depth; not used where `grid` is given
+    std::optional<Grid> grid = {};  // none: the smallest cube around the scene
     VoxelRule rule = VoxelRule::conservative;
     int threads = 0;                     // 0: all
     std::uint32_t tile = 0;              // voxels along a tile, a power of two; 0: chosen
@@ -28,15 +29,15 @@ struct BuildOptions {
     /// How many nodes each level of the DAG may come to have, the root's first, as
     /// Estimate::level_nodes has them: tables begin as large and need not grow. Only a matter of
     /// speed; not used under a cap. Empty: nobody knows.
-    std::vector<std::uint64_t> expected_nodes;
-    ReduceFunction reduce;  // of tiles, say cuda::make_reducer(); none: on the CPU
-    ProgressFunction progress;
+    std::vector<std::uint64_t> expected_nodes = {};
+    ReduceFunction reduce = {};  // of tiles, say cuda::make_reducer(); none: on the CPU
+    ProgressFunction progress = {};
 
     /// A folder that the build makes for what it has done and for what the cap leaves no room for,
     /// and deletes when it is done; the folder that it is in is there. Killed or stopped, the next
     /// build with the same scene and options goes on from there and gives the same result. A short
     /// build makes none. Empty: nothing is kept, and a cap that would be passed is an error.
-    std::filesystem::path scratch;
+    std::filesystem::path scratch = {};
     std::chrono::milliseconds journal_interval{5000};  // between two writes of what is done
 
     /// Leaves the scratch folder where it is when the build is done, as the result is not safe yet;
@@ -48,7 +49,7 @@ struct BuildOptions {
     struct Spill {
         std::uint64_t node_bytes = 0;
         std::uint64_t triangle_bytes = 0;
-    } spill;
+    } spill = {};
 };
 
 struct BuildResult {

@@ -43,13 +43,13 @@ using PrimaryFunction = std::function<void(std::span<const Ray> rays, std::span<
 struct RenderOptions {
     int width = 1280;
     int height = 720;
-    std::optional<Camera> camera;  // none: frames the voxels, see default_camera()
-    dvec3 up{0.0, 1.0, 0.0};       // of the sky, and of the default camera; any length
+    std::optional<Camera> camera = {};  // none: frames the voxels, see default_camera()
+    dvec3 up{0.0, 1.0, 0.0};            // of the sky, and of the default camera; any length
 
-    std::optional<std::vector<Light>> lights;  // none: default_sun(); empty: the sky alone
-    std::optional<Sky> sky;                    // none: the clear sky of shade.h
-    Shadows shadows = Shadows::soft;           // soft by the lights' own sizes
-    int shadow_samples = 16;                   // towards each light
+    std::optional<std::vector<Light>> lights = {};  // none: default_sun(); empty: the sky alone
+    std::optional<Sky> sky = {};                    // none: the clear sky of shade.h
+    Shadows shadows = Shadows::soft;                // soft by the lights' own sizes
+    int shadow_samples = 16;                        // towards each light
     // The CPU asks a lamp only where a white surface would send back this much or more of it, see
     // LightGrid: cost then follows the lamps near a point. 0: every lamp everywhere, as GPUs do
     float least_light = 1.0f / 2048;
@@ -75,8 +75,8 @@ struct RenderOptions {
 
     const Attributes* attributes = nullptr;  // of the DAG's cells: colour and light; none: clay
 
-    int threads = 0;            // 0: all; the picture does not depend on it
-    ProgressFunction progress;  // phase "render", in pixels
+    int threads = 0;                 // 0: all; the picture does not depend on it
+    ProgressFunction progress = {};  // phase "render", in pixels
 };
 
 /// Renders a DAG: primary rays, direct light with shadow, sky light with ambient occlusion [K13].

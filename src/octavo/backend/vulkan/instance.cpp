@@ -174,8 +174,10 @@ DeviceInfo Instance::info(int device) const {
     info.index = device;
     info.name = p.deviceName;
     info.type = type_name(p.deviceType);
-    info.driver = std::string(d.properties12.driverName) + ", " + d.properties12.driverInfo +
-                  ", Vulkan " + version(p.apiVersion);
+    info.driver = d.properties12.driverName;
+    if (*d.properties12.driverInfo != '\0')
+        info.driver += std::string(", ") + d.properties12.driverInfo;
+    info.driver += ", Vulkan " + version(p.apiVersion);
     VkPhysicalDeviceMemoryProperties memory{};
     functions_.vkGetPhysicalDeviceMemoryProperties(handle, &memory);
     for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
