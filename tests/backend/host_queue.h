@@ -63,6 +63,8 @@ private:
                 return gbuffer_pass(job, i);
             case Pass::sky:
                 return sky_pass(job, i);
+            case Pass::lamp_beam:
+                return lamp_beam_pass(job, i);
             case Pass::lamp:
                 return lamp_pass(job, i);
             case Pass::light:

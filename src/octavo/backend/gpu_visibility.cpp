@@ -21,6 +21,7 @@ public:
           most_(std::min(kPointsAtOnce, gbuffer.points)),
           points_(queue, most_),
           sky_seen_(queue, most_),
+          lamp_times_(queue, most_),
           lamp_seen_(queue, most_) {
         job.dag = dag;
         job.grid_origin_high = vec3(grid.origin);
@@ -31,6 +32,7 @@ public:
         job.normal_stride = gbuffer.normal_stride;
         job.points = points_.get();
         job.sky_seen = sky_seen_.get();
+        job.lamp_times = lamp_times_.get();
         job.lamp_seen = lamp_seen_.get();
     }
 
@@ -56,6 +58,7 @@ private:
     std::uint64_t most_;
     DeviceArray<shared::PointArray> points_;
     DeviceArray<shared::UintArray> sky_seen_;
+    DeviceArray<shared::LightArray> lamp_times_;
     DeviceArray<shared::LightArray> lamp_seen_;
 };
 
@@ -72,8 +75,6 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
     job.sky_rays = options.ao_samples;
     job.sky_radius = static_cast<float>(options.ao_radius / grid.voxel_size);
     job.sky_stop.cone = static_cast<float>(options.ao_cone);
-    job.lamp_rays = options.shadow_samples;
-    job.lamp_beams = 1;
     job.shadows = 1;
     if (lamp != nullptr) job.lamp = lamp->placed;
     parts.for_each([&](std::uint64_t first, std::uint64_t count) {
@@ -87,10 +88,7 @@ void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& 
         }
         if (shadow != nullptr && lamp != nullptr) {
             job.shadow.at = shadow + first;
-            in_parts(job, {0, options.shadow_samples}, [&] {
-                queue.run(Pass::lamp, job, count);
-                queue.cut();
-            });
+            queue_lamp(queue, job, {0, options.shadow_samples}, true, count);
             queue.run(Pass::shadow_out, job, count);
         }
     });

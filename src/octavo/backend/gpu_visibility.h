@@ -38,6 +38,19 @@ void in_parts(shared::PixelJob& job, const ivec2& rays, const Run& pass) {
     }
 }
 
+/// Asks for the rays [rays.x, rays.y) from each pixel to the job's lamp; with `beams` and many
+/// rays, for what their way has in common first.
+inline void queue_lamp(PassQueue& queue, shared::PixelJob& job, const ivec2& rays, bool beams,
+                       std::uint64_t pixels) {
+    job.lamp_rays = rays.y - rays.x;
+    job.lamp_beams = beams && job.lamp_rays >= shared::kRaysForABeam ? 1 : 0;
+    if (job.lamp_beams != 0) queue.run(Pass::lamp_beam, job, pixels);
+    in_parts(job, rays, [&] {
+        queue.run(Pass::lamp, job, pixels);
+        queue.cut();
+    });
+}
+
 /// A G-buffer in a device's memory. World space; strides in floats, at least 3.
 struct DeviceGBuffer {
     const float* positions = nullptr;
@@ -51,7 +64,7 @@ struct DeviceGBuffer {
 /// address is null nothing is computed. Returns before it is done.
 ///
 /// @param lamp     of options.light, or null
-/// @throws Error   limit where the scratch memory, 60 bytes for each of at most 2^19 points, is not
+/// @throws Error   limit where the scratch memory, 68 bytes for each of at most 2^19 points, is not
 ///                 there
 void queue_visibility(PassQueue& queue, const shared::DagView& dag, const Grid& grid,
                       const DeviceGBuffer& gbuffer, const GpuLamp* lamp,

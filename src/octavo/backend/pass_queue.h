@@ -27,6 +27,7 @@ enum class Pass {
     surface,
     gbuffer,
     sky,
+    lamp_beam,
     lamp,
     light,
     shade,
@@ -36,7 +37,7 @@ enum class Pass {
     cached,
     gbuffer_looks,
 };
-inline constexpr int kPasses = 15;
+inline constexpr int kPasses = 16;
 
 /// Threads of a group: the 8x8 pixels of a tile.
 inline constexpr std::uint64_t kGroupThreads = 64;

@@ -41,15 +41,16 @@ OCTAVO_FN void any_pass(RayJob job, uint i) {
 // i % 64 of tile first_tile + i / 64.
 struct PixelJob {
     DagView dag;
-    FloatArray starts;     // by tile: before this time its rays meet nothing
-    HitArray hits;         // primary
-    FloatArray depths;     // of sample 0, voxels
-    PointArray points;     // where secondary rays start
-    UintArray sky_seen;    // ambient rays so far that met nothing
-    LightArray lamp_seen;  // of this lamp's rays so far, see lamp_light()
-    ColorArray light;      // of the lamps so far
-    ColorArray colors;     // sum of the samples so far
-    ColorArray albedos;    // of what each pixel sees, with `colored`
+    FloatArray starts;      // by tile: before this time its rays meet nothing
+    HitArray hits;          // primary
+    FloatArray depths;      // of sample 0, voxels
+    PointArray points;      // where secondary rays start
+    UintArray sky_seen;     // ambient rays so far that met nothing
+    LightArray lamp_times;  // of lamp_beam_pass(): lamp_interval() of this lamp
+    LightArray lamp_seen;   // of this lamp's rays so far, see lamp_light()
+    ColorArray light;       // of the lamps so far
+    ColorArray colors;      // sum of the samples so far
+    ColorArray albedos;     // of what each pixel sees, with `colored`
     ColorArray emissions;
 
     CellLooks looks;  // of the DAG's cells, with `colored`
@@ -99,9 +100,9 @@ struct PixelJob {
     float sky_radius;  // voxels
     Stop sky_stop;
     int lamp_number;
-    int shadows;  // 0: none
-    int hard;     // not 0: rays to the lamp's middle alone
-    int lamp_beams;
+    int shadows;     // 0: none
+    int hard;        // not 0: rays to the lamp's middle alone
+    int lamp_beams;  // 0: its rays start at the surface
     vec3 intensity;
     PlacedLamp lamp;
 };
@@ -211,14 +212,25 @@ OCTAVO_FN void sky_pass(PixelJob job, uint i) {
                               job.sky_stop, job.first, job.end, hemisphere_seed(point.seed)));
 }
 
+OCTAVO_FN SeenPlacedLamp see_lamp_from(PixelJob job, SurfacePoint point) {
+    return see_lamp(job.lamp, surface_ray(point), point.face, point.normal, job.hard);
+}
+
+// Apart from lamp_pass(), as the walk of a bundle takes registers that rays do not need.
+OCTAVO_FN void lamp_beam_pass(PixelJob job, uint i) {
+    SurfacePoint point = job.points.at[i];
+    if (point.exists == 0) return;
+    SeenPlacedLamp seen = see_lamp_from(job, point);
+    if (seen.dark == 0) job.lamp_times.at[i] = lamp_interval(job.dag, job.lamp, seen);
+}
+
 OCTAVO_FN void lamp_pass(PixelJob job, uint i) {
     SurfacePoint point = job.points.at[i];
     if (point.exists == 0) return;
-    SeenPlacedLamp seen =
-        see_lamp(job.lamp, surface_ray(point), point.face, point.normal, job.hard);
+    vec2 interval = job.lamp_beams != 0 ? job.lamp_times.at[i] : vec2(0.0f, 1e30f);
     job.lamp_seen.at[i] +=
-        lamp_light(job.dag, job.lamp, seen, job.first, job.end,
-                   lamp_seed(point.seed, job.lamp_number), job.shadows, job.lamp_beams);
+        lamp_light(job.dag, job.lamp, see_lamp_from(job, point), interval, job.first, job.end,
+                   lamp_seed(point.seed, job.lamp_number), job.shadows);
 }
 
 // After the last lamp_pass() of a lamp.

@@ -8,10 +8,10 @@ namespace octavo {
 namespace {
 
 const char* name_of(Pass pass) {
-    constexpr const char* kNames[kPasses] = {"closest", "any",     "beam",         "primary",
-                                             "surface", "gbuffer", "sky",          "lamp",
-                                             "light",   "shade",   "ambient out",  "shadow out",
-                                             "looks",   "cached",  "gbuffer looks"};
+    constexpr const char* kNames[kPasses] = {"closest",    "any",     "beam",   "primary",
+                                             "surface",    "gbuffer", "sky",    "lamp beam",
+                                             "lamp",       "light",   "shade",  "ambient out",
+                                             "shadow out", "looks",   "cached", "gbuffer looks"};
     return kNames[static_cast<int>(pass)];
 }
 

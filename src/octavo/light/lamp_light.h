@@ -216,15 +216,12 @@ OCTAVO_FN vec2 lamp_interval(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen) 
 }
 
 // The light of the samples [first, end) of a pixel: of those that see the lamp, and of all. With
-// shadows 0 all see it. With beams not 0 and many samples, rays are cut to the interval of all of
-// them, and where there is none they are not traced: what they see is the same to the bit.
-OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, int first, int end,
-                          uint seed, int shadows, int beams) {
+// shadows 0 all see it. Rays are cut to `interval`, and where that is empty they are not traced:
+// with that of lamp_interval() they see the same, to the bit, as with (0, 1e30).
+OCTAVO_FN vec2 lamp_light(DagView dag, PlacedLamp lamp, SeenPlacedLamp seen, vec2 interval,
+                          int first, int end, uint seed, int shadows) {
     vec2 light = vec2(0.0f);
     if (seen.dark != 0) return light;
-    vec2 interval = vec2(0.0f, 1e30f);
-    if (shadows != 0 && beams != 0 && end - first >= kRaysForABeam)
-        interval = lamp_interval(dag, lamp, seen);
     for (int i = first; i < end; i += 1) {
         LampSample one = lamp_sample(lamp, seen, i, seed);
         if (!(one.light > 0.0f)) continue;

@@ -26,6 +26,7 @@ OCTAVO_KERNEL(primary, PixelJob)
 OCTAVO_KERNEL(surface, PixelJob)
 OCTAVO_KERNEL(gbuffer, PixelJob)
 OCTAVO_KERNEL(sky, PixelJob)
+OCTAVO_KERNEL(lamp_beam, PixelJob)
 OCTAVO_KERNEL(lamp, PixelJob)
 OCTAVO_KERNEL(light, PixelJob)
 OCTAVO_KERNEL(shade, PixelJob)
@@ -63,6 +64,8 @@ int launch(Pass pass, const PixelJob& job, std::uint32_t threads, CUstream_st* s
             return start(gbuffer_kernel, job, threads, stream);
         case Pass::sky:
             return start(sky_kernel, job, threads, stream);
+        case Pass::lamp_beam:
+            return start(lamp_beam_kernel, job, threads, stream);
         case Pass::lamp:
             return start(lamp_kernel, job, threads, stream);
         case Pass::light:

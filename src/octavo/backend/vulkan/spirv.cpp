@@ -26,6 +26,9 @@ constexpr std::uint32_t kGbuffer[] =
 constexpr std::uint32_t kSky[] =
 #include "sky.inc"
     ;
+constexpr std::uint32_t kLampBeam[] =
+#include "lamp_beam.inc"
+    ;
 constexpr std::uint32_t kLamp[] =
 #include "lamp.inc"
     ;
@@ -73,6 +76,8 @@ std::span<const std::uint32_t> spirv(Pass pass) {
             return kShade;
         case Pass::ambient_out:
             return kAmbientOut;
+        case Pass::lamp_beam:
+            return kLampBeam;
         case Pass::lamp:
             return kLamp;
         case Pass::light:
