@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "exit_code.h"
@@ -30,14 +31,13 @@ constexpr const char* kExamples =
 /// The first word that is neither a command nor an option where it stands, with what it is not;
 /// empty where all are known.
 std::string unknown_word(const CLI::App& command) {
-    for (const std::string& word : command.remaining()) {
-        if (word.size() > 1 && word.front() == '-')
-            return fmt::format("there is no option '{}'", word);
-        return command.get_subcommands([](const CLI::App*) { return true; }).empty()
-                   ? fmt::format("'{}' is one argument too many", word)
-                   : fmt::format("there is no command '{}'", word);
-    }
-    return "";
+    const std::vector<std::string> rest = command.remaining();
+    if (rest.empty()) return "";
+    const std::string& word = rest.front();
+    if (word.size() > 1 && word.front() == '-') return fmt::format("there is no option '{}'", word);
+    return command.get_subcommands([](const CLI::App*) { return true; }).empty()
+               ? fmt::format("'{}' is one argument too many", word)
+               : fmt::format("there is no command '{}'", word);
 }
 
 /// What to say to an error of the command line: the library misses what it wants before it looks

@@ -304,9 +304,10 @@ TEST_P(Pictures, AreTheSameWhenTheirPassesAreTimed) {
     const Image expected = device().render(*device().upload(scene.dag), scene.grid, options);
     const Image found = timed->render(*timed->upload(scene.dag), scene.grid, options);
     EXPECT_TRUE(found.color == expected.color);
-    for (const char* pass : {"beam", "primary", "surface", "sky", "lamp", "light", "shade"})
+    for (const char* pass :
+         {"beam", "primary", "surface", "sky", "lamp beam", "lamp", "light", "shade"})
         EXPECT_GT(times[pass], 0.0) << pass;
-    EXPECT_EQ(times.size(), 7u);
+    EXPECT_EQ(times.size(), 8u);
     EXPECT_GT(times["sky"], times["shade"]);  // sixteen rays against none
 }
 
