@@ -241,14 +241,64 @@ BuildOptions one_level_coarser(BuildOptions options) {
     return options;
 }
 
+/// What a build would give and take, by resolution.
+struct EstimateRows {
+    std::vector<Estimate> estimates;             // the finest first
+    std::vector<std::uint32_t> beyond_pointers;  // resolutions that no file can have
+    double first_seconds = 0.0;                  // that the finest took
+    double seconds = 0.0;
+};
+
+/// @param options  have a grid, that of the finest row
+EstimateRows estimate_rows(const Scene& scene, const BuildArguments& arguments,
+                           const BuildOptions& options, ProgressMeter& meter) {
+    constexpr int kLeastDepth = 10;  // below this builds take little of anything
+    // The coarsest first: what has been the most memory so far counts for all that come later.
+    std::vector<BuildOptions> grids = {options};
+    while (grids.back().depth > std::max(kLeastDepth, arguments.attributes.level))
+        grids.push_back(one_level_coarser(grids.back()));
+    EstimateRows rows;
+    for (Stopwatch watch; !grids.empty(); grids.pop_back()) {
+        const std::uint32_t resolution = 1u << grids.back().depth;
+        // What cannot be built is not worth the minutes that a sample of it takes.
+        if (!rows.estimates.empty() &&
+            beyond_pointers(static_cast<double>(rows.estimates.front().dag_bytes.least) *
+                            rows.estimates.front().growth)) {
+            rows.beyond_pointers.push_back(resolution);
+            continue;
+        }
+        const std::string phase = fmt::format("estimate {}", resolution);
+        meter.begin_phase(phase);
+        grids.back().progress = [&phase, show = meter.function()](const Progress& progress) {
+            Progress of_row = progress;
+            of_row.phase = phase;
+            return show(of_row);
+        };
+        rows.estimates.insert(rows.estimates.begin(), estimate_at(scene, arguments, grids.back()));
+        rows.seconds += rows.first_seconds = watch.lap();
+    }
+    meter.finish();
+    return rows;
+}
+
+std::string rows_text(const EstimateRows& rows, const Room& room) {
+    std::string text = estimate_table(rows.estimates, room);
+    if (!rows.beyond_pointers.empty())
+        text += fmt::format("{}: more nodes than the pointers of a file can name\n",
+                            fmt::join(rows.beyond_pointers, ", "));
+    return text + fmt::format(
+                      "\nFrom {:.2g} % of the tiles of the first row, in {:.2f} s, all rows in "
+                      "{:.2f} s.\npeak: at most, without --max-memory; least: the least "
+                      "--max-memory; spill: at most, on disk.\n",
+                      100.0 * rows.estimates.front().sampled, rows.first_seconds, rows.seconds);
+}
+
 /// In place of a build: what it would give and take, at this resolution and at lower ones.
 void print_estimates(BuildArguments& arguments) {
-    constexpr int kLeastDepth = 10;  // below this builds take little of anything
     return_freed_memory();
     settle_options(arguments);
     BuildOptions options = arguments.options;
     ProgressMeter meter(progress_style(arguments));
-    options.progress = meter.function();
     meter.begin_phase("import");
     Scene scene;
     with_threads(options.threads, [&] { scene = import_scene(arguments.input); });
@@ -257,39 +307,24 @@ void print_estimates(BuildArguments& arguments) {
     print_warnings(scene.warnings, arguments);
 
     if (!options.grid) options.grid = smallest_cube(scene.bounds(), options.depth);
-    meter.begin_phase("estimate");
-    // The coarsest first: what has been the most memory so far counts for all that come later.
-    std::vector<BuildOptions> grids = {options};
-    while (grids.back().depth > std::max(kLeastDepth, arguments.attributes.level))
-        grids.push_back(one_level_coarser(grids.back()));
-    std::vector<Estimate> estimates;
-    double last_seconds = 0.0, seconds = 0.0;
-    for (Stopwatch watch; !grids.empty(); grids.pop_back()) {
-        estimates.insert(estimates.begin(), estimate_at(scene, arguments, grids.back()));
-        seconds += last_seconds = watch.lap();
-    }
-    meter.finish();
-
+    const EstimateRows rows = estimate_rows(scene, arguments, options, meter);
     const Room room =
         room_for(arguments.output.empty() ? "." : arguments.output, options.max_memory_bytes);
-    if (arguments.json) {
-        Json json = {{"source", source_name(arguments.input)},
-                     {"triangles", scene.triangles.size()},
-                     {"threads", options.threads > 0 ? options.threads : available_threads()},
-                     {"estimate_seconds", seconds},
-                     {"free_memory_bytes", room.memory_bytes},
-                     {"free_disk_bytes", room.disk_bytes},
-                     {"estimates", Json::array()}};
-        for (const Estimate& estimate : estimates)
-            json["estimates"].push_back(estimate_json(estimate));
-        print(json.dump(2) + "\n");
+    if (!arguments.json) {
+        print(rows_text(rows, room));
         return;
     }
-    print(estimate_table(estimates, room) +
-          fmt::format("\nFrom {:.2g} % of the tiles of the first row, in {:.2f} s, all rows in "
-                      "{:.2f} s.\npeak: at most, without --max-memory; least: the least "
-                      "--max-memory; spill: at most, on disk.\n",
-                      100.0 * estimates.front().sampled, last_seconds, seconds));
+    Json json = {{"source", source_name(arguments.input)},
+                 {"triangles", scene.triangles.size()},
+                 {"threads", options.threads > 0 ? options.threads : available_threads()},
+                 {"estimate_seconds", rows.seconds},
+                 {"free_memory_bytes", room.memory_bytes},
+                 {"free_disk_bytes", room.disk_bytes},
+                 {"estimates", Json::array()},
+                 {"beyond_pointers", rows.beyond_pointers}};
+    for (const Estimate& estimate : rows.estimates)
+        json["estimates"].push_back(estimate_json(estimate));
+    print(json.dump(2) + "\n");
 }
 
 void build_file(BuildArguments& arguments, Machines& machines) {

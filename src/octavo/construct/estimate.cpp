@@ -46,6 +46,8 @@ constexpr std::uint64_t kLeastForAttributes = 8 << 20;
 constexpr std::uint64_t kLeastForAttributesPerThread = 10 << 20;
 constexpr double kTableBytesPerCell = 6 * 4.0 / CellValues::kBlockCells;
 
+constexpr double kMostDagBytes = double{sizeof(std::uint32_t)} * WordLimits{}.of_dag;
+
 // Under the cap that is advised the forecast is made again, with another sample: Sponza with
 // attributes was refused under 66M, which was advised, for want of 2 MiB.
 constexpr double kAdvisedPart = 1.0625;
@@ -213,18 +215,20 @@ Estimate estimate_build(const Scene& scene, const BuildOptions& options,
     return estimate;
 }
 
+bool beyond_pointers(double least_dag_bytes) {
+    return least_dag_bytes > kMostDagBytes;
+}
+
 void require_words(const Estimate& estimate) {
-    constexpr std::uint64_t kMost = sizeof(std::uint32_t) * WordLimits{}.of_dag;
-    if (estimate.dag_bytes.least <= kMost) return;
+    if (!beyond_pointers(static_cast<double>(estimate.dag_bytes.least))) return;
     auto bytes = static_cast<double>(estimate.dag_bytes.most);
     int depth = estimate.depth;
-    for (; depth > kMinDepth && bytes > static_cast<double>(kMost); --depth)
+    for (; depth > kMinDepth && bytes > kMostDagBytes; --depth)
         bytes /= std::max(estimate.growth, 1.5);
     throw Error(Errc::limit, "this DAG would take some " +
                                  megabytes(static_cast<double>(estimate.dag_bytes.likely)) +
-                                 ", and pointers reach as far as " +
-                                 megabytes(static_cast<double>(kMost)) + ": a resolution of " +
-                                 std::to_string(1 << depth) + " would do");
+                                 ", and pointers reach as far as " + megabytes(kMostDagBytes) +
+                                 ": a resolution of " + std::to_string(1 << depth) + " would do");
 }
 
 void require_memory(const Estimate& estimate, std::uint64_t max_memory_bytes) {

@@ -60,6 +60,9 @@ struct Estimate {
 [[nodiscard]] Estimate estimate_build(const Scene& scene, const BuildOptions& options,
                                       const AttributeOptions* attributes = nullptr);
 
+/// Whether a DAG that takes at least so many bytes has more words than its pointers can name.
+[[nodiscard]] bool beyond_pointers(double least_dag_bytes);
+
 /// @throws Error limit  where the DAG would have more words than its pointers can name, whatever
 ///                      the memory; says what resolution would do
 void require_words(const Estimate& estimate);
