@@ -169,10 +169,9 @@ std::string estimated_json(const Estimate& estimate) {
     return json.dump();
 }
 
-Estimate estimate_at(const Scene& scene, const BuildArguments& arguments,
-                     const BuildOptions& options) {
-    return estimate_build(scene, options,
-                          arguments.attribute_names.empty() ? nullptr : &arguments.attributes);
+/// Null where none are.
+const AttributeOptions* wanted_attributes(const BuildArguments& arguments) {
+    return arguments.attribute_names.empty() ? nullptr : &arguments.attributes;
 }
 
 /// Says what a long build will take, and refuses one that the cap cannot hold.
@@ -188,7 +187,7 @@ void announce_estimate(const Scene& scene, BuildArguments& arguments, ProgressMe
                                              "are allowed: a larger --max-memory is needed",
                                              taken >> 20, cap >> 20));
     meter.begin_phase("estimate");
-    const Estimate estimate = estimate_at(scene, arguments, options);
+    const Estimate estimate = estimate_build(scene, options, wanted_attributes(arguments));
     meter.finish();
     const Room room = room_for(arguments.output, cap);
     if (!arguments.quiet)
@@ -233,66 +232,6 @@ void warn_of_no_area(const Metadata& of, const BuildArguments& arguments) {
                        arguments);
 }
 
-/// The grid with cells twice as wide, of which the scene takes the same part.
-BuildOptions one_level_coarser(BuildOptions options) {
-    --options.depth;
-    --options.grid->depth;
-    options.grid->voxel_size *= 2.0;
-    return options;
-}
-
-/// What a build would give and take, by resolution.
-struct EstimateRows {
-    std::vector<Estimate> estimates;             // the finest first
-    std::vector<std::uint32_t> beyond_pointers;  // resolutions that no file can have
-    double first_seconds = 0.0;                  // that the finest took
-    double seconds = 0.0;
-};
-
-/// @param options  have a grid, that of the finest row
-EstimateRows estimate_rows(const Scene& scene, const BuildArguments& arguments,
-                           const BuildOptions& options, ProgressMeter& meter) {
-    constexpr int kLeastDepth = 10;  // below this builds take little of anything
-    // The coarsest first: what has been the most memory so far counts for all that come later.
-    std::vector<BuildOptions> grids = {options};
-    while (grids.back().depth > std::max(kLeastDepth, arguments.attributes.level))
-        grids.push_back(one_level_coarser(grids.back()));
-    EstimateRows rows;
-    for (Stopwatch watch; !grids.empty(); grids.pop_back()) {
-        const std::uint32_t resolution = 1u << grids.back().depth;
-        // What cannot be built is not worth the minutes that a sample of it takes.
-        if (!rows.estimates.empty() &&
-            beyond_pointers(static_cast<double>(rows.estimates.front().dag_bytes.least) *
-                            rows.estimates.front().growth)) {
-            rows.beyond_pointers.push_back(resolution);
-            continue;
-        }
-        const std::string phase = fmt::format("estimate {}", resolution);
-        meter.begin_phase(phase);
-        grids.back().progress = [&phase, show = meter.function()](const Progress& progress) {
-            Progress of_row = progress;
-            of_row.phase = phase;
-            return show(of_row);
-        };
-        rows.estimates.insert(rows.estimates.begin(), estimate_at(scene, arguments, grids.back()));
-        rows.seconds += rows.first_seconds = watch.lap();
-    }
-    meter.finish();
-    return rows;
-}
-
-std::string rows_text(const EstimateRows& rows, const Room& room) {
-    std::string text = estimate_table(rows.estimates, room);
-    if (!rows.beyond_pointers.empty())
-        text += fmt::format("{}: more nodes than the pointers of a file can name\n",
-                            fmt::join(rows.beyond_pointers, ", "));
-    return text + fmt::format(
-                      "\nFrom {:.2g} % of the tiles of the first row, in {:.2f} s, all rows in "
-                      "{:.2f} s.\npeak: at most, without --max-memory; least: the least "
-                      "--max-memory; spill: at most, on disk.\n",
-                      100.0 * rows.estimates.front().sampled, rows.first_seconds, rows.seconds);
-}
-
 /// In place of a build: what it would give and take, at this resolution and at lower ones.
 void print_estimates(BuildArguments& arguments) {
     return_freed_memory();
@@ -307,7 +246,7 @@ void print_estimates(BuildArguments& arguments) {
     print_warnings(scene.warnings, arguments);
 
     if (!options.grid) options.grid = smallest_cube(scene.bounds(), options.depth);
-    const EstimateRows rows = estimate_rows(scene, arguments, options, meter);
+    const EstimateRows rows = estimate_rows(scene, options, wanted_attributes(arguments), meter);
     const Room room =
         room_for(arguments.output.empty() ? "." : arguments.output, options.max_memory_bytes);
     if (!arguments.json) {
@@ -316,14 +255,8 @@ void print_estimates(BuildArguments& arguments) {
     }
     Json json = {{"source", source_name(arguments.input)},
                  {"triangles", scene.triangles.size()},
-                 {"threads", options.threads > 0 ? options.threads : available_threads()},
-                 {"estimate_seconds", rows.seconds},
-                 {"free_memory_bytes", room.memory_bytes},
-                 {"free_disk_bytes", room.disk_bytes},
-                 {"estimates", Json::array()},
-                 {"beyond_pointers", rows.beyond_pointers}};
-    for (const Estimate& estimate : rows.estimates)
-        json["estimates"].push_back(estimate_json(estimate));
+                 {"threads", options.threads > 0 ? options.threads : available_threads()}};
+    json.update(rows_json(rows, room));
     print(json.dump(2) + "\n");
 }
 

@@ -28,6 +28,7 @@ OCTAVO_FN GridRay sky_ray(GridRay start, int face, vec3 normal, float radius, in
 //   stop    lets rays end at larger cells, which makes it darker and faster ([K13] figure 8b)
 OCTAVO_FN int sky_samples_seen(DagView dag, GridRay start, int face, vec3 normal, float radius,
                                Stop stop, int first, int end, uint seed) {
+    // The finest grid of which whole ones fill the range; with m = 0 samples come by number.
     int m = 3;
     while (((first | end) & ((1 << (2 * m)) - 1)) != 0) m -= 1;
     SquareOrder order = square_order(m, seed);
